@@ -111,7 +111,7 @@ const std::vector<Case>& cases() {
       {"-o,--output", ".scene.xml", {"import", "ROBOT", "-o", "OUT"}},
       {"--report", ".json", {"import", "ROBOT", "--report", "OUT"}},
       {"--report", ".html", {"import", "ROBOT", "--report", "OUT"}},
-      {"-o,--output", ".urdf", {"export", "SCENE", "-o", "OUT"}},
+      {"-o,--output", ".urdf", {"export", "SCENE", "-o", "OUT"}, "--overwrite", false},
       {"--report", ".json", {"export", "SCENE", "-o", "-", "--format", "sdf", "--report", "OUT"}},
       {"--report", ".html", {"export", "SCENE", "-o", "-", "--format", "sdf", "--report", "OUT"}},
       {"--into", "/", {"pull", "PACKAGE", "--into", "OUT"}, "", false},
@@ -247,6 +247,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "S",
                                           "Excludes",
                                           "process|none",
+                                          "urdf|sdf|mjcf",
                                           "SEEDS",
                                           "none|position|torque|velocity"};
   // --copy-meshes takes the name of a folder beside the scene: tests/import.

@@ -107,7 +107,7 @@ TEST_CASE("links that cannot come apart stay calm", "[faults]") {
   // Two arms inside each other, side by side (0), or one above the other about axes that lean by a
   // little, such that to come apart they would have to turn by very much (1); or the first and the
   // third link of a chain (2).
-  give_up_after(30.0);
+  give_up_after(12.0);
   const int kind = GENERATE(0, 1, 2);
   const double lean = GENERATE(0.0, 0.01, 0.1), bound = GENERATE(0.0, 2.0, kInfinity);
   ModelBuilder builder;
@@ -183,7 +183,7 @@ TEST_CASE("a thousand kilograms on a gram shoot nothing out", "[faults]") {
 }
 
 TEST_CASE("a thousand kilograms stand on a gram", "[faults]") {
-  give_up_after(30.0);
+  give_up_after(12.0);
   const double ratio = GENERATE(1e3, 1e6);
   ModelBuilder builder;
   builder.plane("floor");

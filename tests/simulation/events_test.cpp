@@ -437,7 +437,7 @@ TEST_CASE("a million spawns are refused at a limit and the run continues", "[eve
 }
 
 TEST_CASE("the number of bodies added during a run is limited", "[events]") {
-  auto simulation = simulate(flooded(100), "bullet");
+  auto simulation = simulate(flooded(100), "cogrsim");
   Diary diary(*simulation);
   CHECK(simulation->run_until(0.024) == RunStatus::completed);
   CHECK(diary.count("added") == 2000);

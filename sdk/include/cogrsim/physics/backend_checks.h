@@ -113,8 +113,9 @@ inline Result<> check_parts(const SceneModel& model) {
 inline Result<Parameters> physics_options(const SceneModel& model, const std::string& engine,
                                           const ParameterTable& table) {
   const auto given = model.physics.engine_options.find(engine);
-  const bool any = given != model.physics.engine_options.end();
-  Result<Parameters> out = complete_parameters(table, any ? given->second : Parameters());
+  const Parameters none;
+  Result<Parameters> out = complete_parameters(
+      table, given == model.physics.engine_options.end() ? none : given->second);
   if (!out) out.error().locate(source_position(model, model.physics.origin));
   return out;
 }

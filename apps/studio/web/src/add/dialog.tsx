@@ -35,7 +35,7 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
     if (!spec) return null;
     const choices = nameChoices(schema, elements, parent, plan.tag, spec);
     // References are chosen from the existing names.
-    const chooses = choices && (spec.required || name === "parent") && spec.kind !== "references";
+    const chooses = choices && (spec.required || name === "parent" || name === "plugin") && spec.kind !== "references";
     return (
       <Field
         key={name}

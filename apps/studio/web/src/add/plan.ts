@@ -156,6 +156,8 @@ export function insertPlan(state: State, schema: Schema, tag: string): InsertPla
   const missing = known.filter((a) => a.required && (all[a.name] ?? "") === "").map((a) => a.name);
   // A joint between the world and a body would be valid, but is hardly ever intended.
   if (kJoints.includes(tag) && all.parent === "") missing.unshift("parent");
+  // Nor is a controller that only `connect` names.
+  if (tag === "controller" && !all.plugin) missing.unshift("plugin");
   return { tag, parent, attributes: all, missing };
 }
 
