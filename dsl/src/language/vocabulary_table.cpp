@@ -90,7 +90,10 @@ Attributes drive() {
                      1, 3),
              above_zero(number("max-torque", kTorque, "Largest torque, for a rotational axis.")),
              above_zero(number("max-force", kForce, "Largest force, for a translational axis.")),
-             above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed."))};
+             above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed.")),
+             attr("target-signal", Kind::text,
+                  "Signal that gives the target in every step until a controller or an action sets "
+                  "one, such as \"0.5 rad * sin(2 rad/s * time)\", in the unit of `target`.")};
 }
 
 Attributes controller(AttributeSpec plugin) {
@@ -154,7 +157,7 @@ Words template_content() {
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
          Words{"supervisor", "light", "view",   "maze", "scatter",
-               "template",   "on",    "record", "test", "measure"};
+               "template",   "on",    "record", "test", "measure", "randomize"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() + Words{"light", "maze", "scatter", "on"};

@@ -29,23 +29,6 @@ PointMotion motion_of(const WorldState& state, int body, const Vec3& point) {
 
 }  // namespace
 
-void ForceSystem::resolve(const SceneModelPtr& model, const ChannelLookup& channels) {
-  if (model_ == model) return;
-  model_ = model;
-  factors_.assign(model->forces.size(), Signal());
-  needs_ = {};
-  has_factors_ = false;
-  const SignalScope scope{*model, channels, {}};
-  for (std::size_t i = 0; i < factors_.size(); ++i) {
-    if (model->forces[i].factor.empty()) continue;
-    has_factors_ = true;
-    if (auto parsed = Signal::parse(scope, model->forces[i].factor)) {
-      factors_[i] = std::move(*parsed);
-      needs_ = needs_ | factors_[i].needs();
-    }
-  }
-}
-
 void ForceSystem::add(const SceneModel& model, int body, const WorldState& state, const Vec3& force,
                       const Vec3& point, const Vec3& torque) {
   if (body == kWorld || model.bodies[at(body)].kind != BodyKind::dynamic) return;
@@ -61,13 +44,13 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
   if (model->forces.empty() && !given_) return;
   auto* const engine = host.world().extension<ExternalForces>();
   if (!engine) return;  // refused before the run
-  resolve(model, channels);
+  factors_.resolve(model, model->forces, &ForceModel::factor, channels);
   constexpr double kEarly = 1e-6;  // of a step: times that are multiples of it count as reached
   const double now = clock.time() + kEarly * clock.dt();
   const double ahead = engine->evaluation_time() * clock.dt();
   const WorldState& state = host.state();
   // Controllers have published since the frame of this step was made.
-  const std::shared_ptr<Frame> frame = has_factors_ ? frames.latest(needs_) : nullptr;
+  const std::shared_ptr<Frame> frame = factors_.any() ? frames.latest(factors_.needs()) : nullptr;
   sums_.assign(model->bodies.size(), Wrench());
   for (std::size_t i = 0; i < model->forces.size(); ++i) {
     const ForceModel& it = model->forces[i];
@@ -77,7 +60,7 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
       case ForceModel::Kind::force: {
         if (now < it.from || now >= it.until) break;
         double factor = 1.0;
-        if (!it.factor.empty()) factor = factors_[i].evaluate(*frame);
+        if (!it.factor.empty()) factor = factors_.evaluate(i, *frame);
         if (!std::isfinite(factor)) break;
         Quat q(1, 0, 0, 0);
         if (it.in_body && it.body != kWorld) q = state.poses[at(it.body)].q * it.X_BE.q;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "cogrsim/signals/signal.h"
 #include "simulation/clock.h"
+#include "simulation/element_signals.h"
 #include "simulation/frame_source.h"
 #include "simulation/world_host.h"
 
@@ -18,14 +18,10 @@ class ForceSystem {
              FrameSource& frames);
 
  private:
-  void resolve(const SceneModelPtr& model, const ChannelLookup& channels);
   void add(const SceneModel& model, int body, const WorldState& state, const Vec3& force,
            const Vec3& point, const Vec3& torque);
 
-  SceneModelPtr model_;          // that `factors_` belong to
-  std::vector<Signal> factors_;  // by force
-  FrameContents needs_;          // of all factors
-  bool has_factors_ = false;
+  ElementSignals factors_;
   std::vector<Wrench> sums_;  // by body
   bool given_ = false;        // the world has forces
 };

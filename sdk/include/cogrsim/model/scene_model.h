@@ -173,6 +173,9 @@ struct Motor {
   /// Target at time 0: a speed, effort, position or voltage [V], depending on `mode`. Empty: 0; in
   /// the position and servo modes the initial position of the joint.
   std::optional<double> target;
+  /// A signal (cogrsim/signals/signal.h) that gives the target in every step, until a command or a
+  /// controller sets the target; empty: none.
+  std::string target_signal;
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -474,6 +477,25 @@ struct TestModel {
 /// Two bodies that do not collide with each other.
 using BodyPair = std::pair<int, int>;  ///< first < second
 
+/// `<randomize>`: quantities that are drawn for each run, see cogrsim/model/randomize.h.
+struct RandomizeModel {
+  enum class How { multiply, set, add } how = How::multiply;
+  enum class Shape { uniform, normal, loguniform, choice } shape = Shape::uniform;
+  std::string what;  ///< as in the scene: "robot.*.mass"
+  std::vector<std::string> quantities;  ///< those of the scene that it names: "robot.arm.mass"
+  /// uniform, loguniform: low and high; normal: mean and standard deviation; choice: the values. In
+  /// SI units.
+  std::vector<double> numbers;
+  bool together = false;  ///< one number for all quantities; else one for each
+  SourceSpan origin;
+};
+
+/// A quantity of a model with its drawn value.
+struct DrawnValue {
+  std::string quantity;  ///< "robot.arm.mass"
+  double value = 0.0;    ///< [SI units]; of several axes, shapes or noise terms the first one's
+};
+
 /// A complete scene.
 struct SceneModel {
   std::string name;
@@ -504,6 +526,8 @@ struct SceneModel {
   std::vector<RuleModel> rules;
   std::vector<MeasureModel> measures;
   std::vector<TestModel> tests;
+  std::vector<RandomizeModel> randomize;
+  std::vector<DrawnValue> drawn;     ///< in the model of a run
   std::vector<BodyPair> no_collide;  ///< sorted and unique; without the pairs that joints exclude
   int joint_positions = 0;           ///< length of the flat array of all q
   int joint_speeds = 0;              ///< length of the flat array of all u

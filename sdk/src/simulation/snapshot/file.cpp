@@ -97,6 +97,7 @@ void put_devices(const Simulation::Impl& from, const WorldState& state, Json& co
     motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
                                     {"target", number(devices.motors[i].target)},
                                     {"integral", number(devices.motors[i].integral)},
+                                    {"follows", devices.motors[i].follows},
                                     {"effort", number(state.motor_efforts[i])}};
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {

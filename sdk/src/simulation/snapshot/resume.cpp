@@ -161,6 +161,8 @@ class Resumption {
       }
       devices.motors[i].target = clamp_target(model, motor, number_from(saved.at("target")));
       devices.motors[i].integral = number_from(saved.at("integral"));
+      if (saved.contains("follows"))  // not in older files
+        devices.motors[i].follows = saved.at("follows").get<bool>();
       if (saved.contains("effort"))  // not in older files
         before.motor_efforts[i] = number_from(saved.at("effort"));
     }
@@ -310,20 +312,22 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
     }
     // If elements were added or removed, the world is created with the elements of the snapshot; a
     // restart creates that of the scene.
-    SceneModelPtr then = scene, original;
+    SceneModelPtr then = scene;
+    std::unique_ptr<Simulation> plain_run;
     if (info.changed) {
-      auto plain_run = Simulation::create(scene, options, loader);
-      if (!plain_run) return Failure(plain_run.error());
-      original = SnapshotAccess::of(**plain_run).host.original();
+      auto plain = Simulation::create(scene, options, loader);
+      if (!plain) return Failure(plain.error());
+      plain_run = std::move(*plain);
       then = with_changes(*scene, content, resumed.notes);
     }
     auto created = Simulation::create(then, options, loader);
     if (!created) return Failure(created.error());
     resumed.simulation = std::move(*created);
     Simulation::Impl& to = SnapshotAccess::of(*resumed.simulation);
-    const std::string signature = scene_signature(original ? *original : *to.host.original());
+    const WorldHost& of_scene = plain_run ? SnapshotAccess::of(*plain_run).host : to.host;
+    const std::string signature = scene_signature(*of_scene.original());
     const bool unchanged = content.at("signature") == signature;
-    if (original) to.host.restart_from(original);
+    if (plain_run) to.host.restart_from(of_scene);
     if (!unchanged) {
       resumed.notes.push_back(
           "the scene is not that of the snapshot: the state is transferred by names of elements");
