@@ -64,6 +64,10 @@ TEST_CASE("patterns of names", "[randomize]") {
 
 TEST_CASE("every kind of quantity is drawn and written to the model", "[randomize]") {
   const auto model = scene(R"xml(
+    <wind name="breeze" velocity="1 0 2 m/s"/>
+    <buoyancy name="water" on="ball" level="-1 m"/>
+    <randomize what="breeze.x" to="uniform(3 m/s, 4 m/s)"/>
+    <randomize what="water.density" by="uniform(1.02, 1.03)"/>
     <randomize what="arm.*.mass" by="uniform(2, 3)"/>
     <randomize what="ball.com.z" add="uniform(1 mm, 2 mm)"/>
     <randomize what="ball.x" to="uniform(20 cm, 30 cm)"/>
@@ -73,7 +77,10 @@ TEST_CASE("every kind of quantity is drawn and written to the model", "[randomiz
     <randomize what="arm.push.kp" to="normal(100 N/m, 1 N/m)"/>
     <randomize what="arm.imu.noise-sigma" by="uniform(2, 3)"/>)xml");
   const auto one = drawn(model, 7);
-  CHECK(one->drawn.size() == 9);
+  CHECK(one->drawn.size() == 11);
+  CHECK(one->forces[0].wind == Vec3(value(*one, "breeze.x"), 0.0, 2.0));
+  CHECK(one->forces[1].density >= 1020.0);
+  CHECK(one->forces[1].density < 1030.0);
   const Body& a = body(*one, "arm.a");
   CHECK(a.mass >= 2.0);
   CHECK(a.mass < 3.0);

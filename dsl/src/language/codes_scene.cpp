@@ -134,6 +134,10 @@ std::vector<CodeInfo> scene_codes() {
        "coupling puts it.",
        "bad:  <couple joint=\"a\" to=\"b c\" ratio=\"2\"/>\n"
        "good: <couple joint=\"a\" to=\"b c\" ratio=\"2 -1\"/>"},
+      {"CG0715", error, "a buoyancy without volume",
+       "The body has no shape with a volume, so it displaces nothing.",
+       "Name a body with solid shapes; planes, heightmaps and open meshes have no volume.",
+       "good: <box name=\"hull\" size=\"2 1 1\"/> <buoyancy on=\"hull\"/>"},
       // ---- CG08: what the backend can do
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "

@@ -104,14 +104,14 @@ void fields(Io& io, Motor& x) {
 template <class Io>
 void fields(Io& io, ForceModel& x) {
   auto& [kind, name, body, X_BE, other, other_point, in_body, force, torque, factor, from, until,
-         linear, quadratic, angular, wind, stiffness, damping, length, cable, assembly, removed,
-         origin] = x;
+         linear, quadratic, angular, wind, stiffness, damping, length, cable, density, level,
+         assembly, removed, origin] = x;
   io("kind", kind)("name", name)("body", body)("X_BE", X_BE)("other", other);
   io("other_point", other_point)("in_body", in_body)("force", force)("torque", torque);
   io("factor", factor)("from", from)("until", until)("linear", linear)("quadratic", quadratic);
   io("angular", angular)("wind", wind)("stiffness", stiffness)("damping", damping);
-  io("length", length)("cable", cable)("assembly", assembly)("removed", removed);
-  io("origin", origin);
+  io("length", length)("cable", cable)("density", density)("level", level);
+  io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
@@ -272,7 +272,7 @@ constexpr int last_of() {
   if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::free);
   if constexpr (std::is_same_v<Enum, MotorMode>) return static_cast<int>(MotorMode::dc);
   if constexpr (std::is_same_v<Enum, ForceModel::Kind>) {
-    return static_cast<int>(ForceModel::Kind::spring);
+    return static_cast<int>(ForceModel::Kind::wind);
   }
   if constexpr (std::is_same_v<Enum, RandomizeModel::How>) {
     return static_cast<int>(RandomizeModel::How::add);

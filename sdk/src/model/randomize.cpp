@@ -292,6 +292,18 @@ class Collector {
       number("linear", &ForceModel::linear, dim::kDamping);
       number("quadratic", &ForceModel::quadratic, dim::kLinearDensity);
       number("angular", &ForceModel::angular, {2, 1, -1, 0, -1});
+    } else if (model_.forces[i].kind == ForceModel::Kind::wind) {
+      static constexpr const char* kAxes[] = {"x", "y", "z"};
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!has(model_.forces[i].name, kAxes[axis])) continue;
+        add(model_.forces[i].name, kAxes[axis], dim::kSpeed, {}, {model_.forces[i].wind[axis]},
+            [i, axis](SceneModel& model, const std::vector<double>& v) {
+              model.forces[i].wind[axis] = v[0];
+            });
+      }
+    } else if (model_.forces[i].kind == ForceModel::Kind::buoyancy) {
+      member("density", dim::kDensity, kPositive, &SceneModel::forces, i, &ForceModel::density);
+      member("level", dim::kLength, {}, &SceneModel::forces, i, &ForceModel::level);
     }
   }
 

@@ -10,6 +10,7 @@
 // | JOINT.damping .friction .stiffness .rotor-inertia .max-effort  | all axes of the joint      |
 // | MOTOR.max-effort .max-speed .kp .ki .kd                        |                            |
 // | SPRING.stiffness .damping, DRAG.linear .quadratic .angular     |                            |
+// | BUOYANCY.density .level, WIND.x .y .z                          |                            |
 // | SENSOR.noise-sigma                                             | its normal noise terms     |
 #pragma once
 

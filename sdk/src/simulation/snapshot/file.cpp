@@ -168,6 +168,14 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
   if (!supervisors) return tl::unexpected(supervisors.error());
   content["supervisors"] = std::move(*supervisors);
   content["event_system"] = event_state_json(from.model(), from.events.memory);
+  content["forces"] = Json::array();
+  for (const ForceSystem::Applied& it : from.forces.applied())
+    content["forces"].push_back({{"body", it.command.body},
+                                 {"force", vector(it.command.force)},
+                                 {"torque", vector(it.command.torque)},
+                                 {"point", vector(it.command.point)},
+                                 {"in_body", it.command.in_body},
+                                 {"until", number(it.until)}});
   content["sent"] = from.commands.own_count();
   content["changes"] = from.host.model() == from.host.original()
                            ? Json(nullptr)

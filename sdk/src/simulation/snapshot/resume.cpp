@@ -36,6 +36,7 @@ class Resumption {
     hosted("supervisor", content_.at("supervisors"), model.supervisors, to_.supervisors.slots());
     to_.events.update_model(to_.host.model());  // a door that the file lacks is at its start
     event_state_from(content_.at("event_system"), model, to_.events.memory);
+    forces();
     if (!same_seed_) {
       notes_.push_back("the seed differs: the random streams restart");
     }
@@ -266,6 +267,31 @@ class Resumption {
     note_elements("saves no state for snapshots and restarts: " + kind,
                   "save no state for snapshots and restart: " + kind + "s", forgetful);
     note_missing(kind, kind + "s", then, names);
+  }
+
+  /// Those of commands.
+  void forces() {
+    if (!content_.contains("forces")) return;  // older files
+    std::vector<ForceSystem::Applied> applied;
+    std::vector<std::string> lost;
+    for (const Json& saved : content_.at("forces")) {
+      ForceSystem::Applied it;
+      it.command.body = saved.at("body").get<std::string>();
+      it.body = find_body(to_.model(), it.command.body);
+      if (it.body < 0) {
+        lost.push_back(it.command.body);
+        continue;
+      }
+      it.command.force = vector_from(saved.at("force"));
+      it.command.torque = vector_from(saved.at("torque"));
+      it.command.point = vector_from(saved.at("point"));
+      it.command.in_body = saved.at("in_body").get<bool>();
+      it.until = number_from(saved.at("until"));
+      applied.push_back(std::move(it));
+    }
+    to_.forces.set_applied(std::move(applied));
+    note_elements("is not in the scene any more, and its force ends: body",
+                  "are not in the scene any more, and their forces end: bodies", lost);
   }
 
   void note_elements(const std::string& one, const std::string& many,
