@@ -60,6 +60,21 @@ Command CommandArguments::kinematic_twist(const std::string& body, const py::obj
   return twist;
 }
 
+Command CommandArguments::force(const std::string& body, const py::object& force,
+                                const py::object& torque, const py::object& point,
+                                const std::string& axes, double duration) {
+  if (axes != "world" && axes != "own")
+    throw py::value_error("axes: expected 'world' or 'own', given '" + axes + "'");
+  ApplyForce out;
+  out.body = body;
+  if (!force.is_none()) out.force = vector_of(force, "force");
+  if (!torque.is_none()) out.torque = vector_of(torque, "torque");
+  if (!point.is_none()) out.point = vector_of(point, "point");
+  out.in_body = axes == "own";
+  out.duration = duration;
+  return out;
+}
+
 namespace {
 
 void set_state(Session& session, const py::object& frame, const py::object& position,

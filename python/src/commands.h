@@ -22,6 +22,8 @@ struct CommandArguments {
                               const py::object& position, const py::object& orientation);
   static Command kinematic_twist(const std::string& body, const py::object& velocity,
                                  const py::object& angular_velocity);
+  static Command force(const std::string& body, const py::object& force, const py::object& torque,
+                       const py::object& point, const std::string& axes, double duration);
 };
 
 template <class Type, class Send>
@@ -150,7 +152,20 @@ void add_commands(Type& type, Send send) {
           py::arg("body"), py::arg("velocity") = none, py::arg("angular_velocity") = none,
           "Set the constant velocity (3,) [m/s] and angular velocity (3,) [rad/s] of a kinematic "
           "body, in\n"
-          "world axes.");
+          "world axes.")
+      .def(
+          "apply_force",
+          [send](Self& self, const std::string& body, const py::object& force,
+                 const py::object& torque, const py::object& point, const std::string& axes,
+                 double duration) {
+            send(self, CommandArguments::force(body, force, torque, point, axes, duration));
+          },
+          py::arg("body"), py::arg("force") = none, py::kw_only(), py::arg("torque") = none,
+          py::arg("point") = none, py::arg("axes") = "world", py::arg("duration") = 0.0,
+          "Apply a force (3,) [N] and a torque (3,) [N m] to a body. point: where the force acts, in "
+          "the\n"
+          "frame of the body [m]. axes: 'world', or 'own': they turn with the body. duration [s]; 0: "
+          "one step.");
 }
 
 }  // namespace cogrsim::python

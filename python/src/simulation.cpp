@@ -346,6 +346,16 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
                                return s->simulation->model()->physics.seed;
                              })
       .def_property_readonly(
+          "drawn",
+          [](const SessionPtr& s) {
+            const Use use(*s);
+            py::dict out;
+            for (const DrawnValue& it : s->simulation->model()->drawn)
+              out[py::str(it.quantity)] = it.value;
+            return out;
+          },
+          "Values that <randomize> has drawn for this run, in SI units, as a dict")
+      .def_property_readonly(
           "provenance",
           [](const SessionPtr& s) {
             return py::module_::import("json").attr("loads")(

@@ -38,7 +38,7 @@ json json_of(const Outcome& outcome) {
 const char* const kRunKeys[] = {
     "scene",       "file",      "backend",         "step",           "steps",  "time",   "status",
     "energy",      "wall_time", "realtime_factor", "state_hash",     "bodies", "joints", "contacts",
-    "diagnostics", "measures",  "events",          "events_left_out"};
+    "diagnostics", "measures",  "events",          "events_left_out", "drawn"};
 
 }  // namespace
 

@@ -132,3 +132,32 @@ TEST_CASE("motors and servos take limits, gains and targets in their joint's uni
   CHECK(model->motors[2].kp == 200.0);
   CHECK(model->motors[2].target.value() == Approx(0.1));
 }
+
+TEST_CASE("a target over time is a signal in the unit of the target", "[dsl][motors]") {
+  const std::string parts = R"(<assembly name="bot">
+    <box name="a" size="1 1 1"/> <box name="b" size="1 1 1" xyz="2 0 0"/>
+    <hinge name="h" child="a"/> <slider name="s" child="b"/>)";
+  const auto model = compile_scene(parts + R"(
+    <motor name="m" joint="h" target-signal="sin(2 * pi * time / 1 s) * 30 deg/s + h.velocity"/>
+    <servo name="lift" joint="s" kp="200 N/m" target-signal="0.1 m * h.position / 1 rad"/>
+    </assembly>)");
+  CHECK(model->motors[0].target_signal ==
+        "sin(2 * pi * time / 1 s) * 30 deg/s + bot.h.velocity");
+  CHECK(model->motors[1].target_signal == "0.1 m * bot.h.position / 1 rad");
+  const auto codes = [&](const std::string& motor) { return codes_of(parts + motor + "</assembly>"); };
+  CHECK(codes("<motor joint=\"h\" target-signal=\"sin(2 rad/s * time)\"/>") == "CG1201");
+  CHECK(codes("<motor joint=\"h\" target-signal=\"1 m * sin(2 rad/s * time)\"/>") == "CG1201");
+  CHECK(codes("<motor joint=\"h\" target-signal=\"c.x * 1 rad/s\"/>") == "CG1201");
+  CHECK(codes("<motor joint=\"h\" target=\"1 rad/s\" target-signal=\"1 rad/s\"/>") == "CG0608");
+}
+
+TEST_CASE("a template has forces, springs and targets over time", "[dsl][motors]") {
+  const auto model = compile_scene(R"(<template name="kite">
+    <body name="a"> <box size="1 1 1"/> </body> <hinge name="h" child="a"/>
+    <motor name="m" joint="h" target-signal="h.velocity"/>
+    <force name="f" on="a" force="1 0 0" factor="a.x / 1 m"/>
+    </template>)");
+  const SceneModel& kite = *model->templates.at(0).fragment;
+  CHECK(kite.motors.at(0).target_signal == "h.velocity");
+  CHECK(kite.forces.at(0).factor == "a.x / 1 m");
+}

@@ -107,6 +107,33 @@ class Vector(Case):
             with self.assertRaises((TypeError, ValueError)):
                 env.reset(seed=seed)
 
+    def test_values_drawn_for_each_episode(self):
+        scene = cg.compile_string('''<scene name="drawn" version="1">
+          <physics backend="cogrsim" step="1 ms" duration="0.01 s" gravity="0 0 0"/>
+          <sphere name="ball" radius="10 cm" mass="1 kg"/>
+          <force on="ball" force="1 0 0"/>
+          <randomize what="ball.mass" by="uniform(0.5, 2)"/>
+        </scene>''')
+        env = cg.VectorEnv(scene, 3, observations=["ball.vx"])
+        ends = []
+        for _ in range(2):
+            env.reset(seed=4)
+            seeds, speeds = [], []
+            for _ in range(30):
+                before = env.np_random_seed
+                _, _, _, truncated, info = env.step(np.zeros((3, 0)))
+                for i in np.flatnonzero(truncated):
+                    seeds.append(before[i])
+                    speeds.append(info["final_obs"][i][0])
+            ends.append((seeds, speeds))
+        self.assertEqual(ends[0], ends[1])
+        seeds, speeds = ends[0]
+        self.assertEqual(len(set(speeds)), 9)
+        for seed, speed in zip(seeds, speeds):
+            sim = cg.Simulation(scene, seed=seed)
+            # The impulse of 10 ms, rounded in each step.
+            self.assertAlmostEqual(speed, 0.01 / sim.drawn["ball.mass"], delta=1e-12)
+
     def test_buffer_of_the_caller(self):
         env = carts()
         buffer = np.zeros((4, 2))

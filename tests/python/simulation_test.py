@@ -134,6 +134,20 @@ class Commands(Case):
         sim.step()
         self.assertEqual((sim.seed, sim.step_count), (9, 1))
 
+    def test_force(self):
+        sim = yard()
+        # The weight of the ball and 2 N along its x, for 0.1 s.
+        sim.apply_force("ball", [2, 0, 9.81], duration=0.1)
+        sim.run_until(0.1)
+        velocity = [sim.signal("ball.v" + axis).value for axis in "xyz"]
+        np.testing.assert_allclose(velocity, [0.2, 0, 0], atol=1e-9)
+        sim.apply_force("ball", torque=[0, 0, 0.004], axes="own")
+        sim.step()
+        # 2/5 m r^2 = 0.004 kg m^2, one step of 1 ms.
+        np.testing.assert_allclose(sim.signal("ball.wz").value, 0.001, rtol=1e-6)
+        with self.assertRaisesRegex(ValueError, "axes: expected 'world' or 'own'"):
+            sim.apply_force("ball", [1, 0, 0], axes="body")
+
     def test_state_of_the_whole_world(self):
         sim = yard()
         position = sim.frame.position.copy()

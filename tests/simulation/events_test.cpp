@@ -172,8 +172,7 @@ TEST_CASE("copies of a template are added with clearance and removed after their
   // Two fit, the third has no space while they exist.
   CHECK(diary.count("added") == 2);
   CHECK(diary.count("refused") == 1);
-  CHECK(messages_of(*simulation).find("none of its 3 places is free") !=
-        std::string::npos);
+  CHECK(messages_of(*simulation).find("none of its 3 places is free") != std::string::npos);
   CHECK(diary.events[0].source == "Ball_1");
   CHECK(diary.events[0].subject == "Ball");
   const int ball = find_body(*simulation->model(), "Ball_2.ball");

@@ -52,8 +52,7 @@ TEST_CASE("a contact sensor under a resting box carries its weight", "[sensors][
   CHECK(frame->readings[2].valid);
 }
 
-TEST_CASE("a contact sensor of a whole assembly ignores contacts within it",
-          "[sensors][touch]") {
+TEST_CASE("a contact sensor of a whole assembly ignores contacts within it", "[sensors][touch]") {
   ModelBuilder builder("stack");
   builder.plane("floor");
   const int lower =

@@ -117,6 +117,10 @@ Json to_json(const RunResult& result) {
   out["bodies"] = ran ? bodies_json(*result.frame) : Json::object();
   out["joints"] = ran ? joints_json(*result.frame) : Json::object();
   out["contacts"] = ran ? contacts_json(*result.frame) : Json::array();
+  out["drawn"] = Json::object();
+  if (ran)
+    for (const DrawnValue& drawn : result.frame->model->drawn)
+      out["drawn"][drawn.quantity] = drawn.value;
   out["measures"] = Json::object();
   for (const RunMeasures::Value& measure : result.measures)
     out["measures"][measure.name] = measure.value;
@@ -138,6 +142,9 @@ std::string summary_text(const RunResult& result, const Style& style) {
   out += fmt::format("  wall time {}, {} real time\n", elapsed_text(result.wall_time),
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);
+  if (!frame.model->drawn.empty())
+    out += fmt::format("  drawn     {} values from seed {}, see --json\n", frame.model->drawn.size(),
+                       result.seed);
   if (!result.measures.empty()) {
     out += "  measures  ";
     for (const RunMeasures::Value& measure : result.measures) {

@@ -45,8 +45,8 @@ SceneModelPtr Builder::build() {
   templates();
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "region") region(element);
-    if (is_force(element.tag())) force(element);
   });
+  forces_and_targets();
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "record") record(element);
     if (element.tag() == "plot") plot(element);
@@ -56,6 +56,9 @@ SceneModelPtr Builder::build() {
   material_pairs();
   collision_pairs();
   door_pairs();
+  for_each(scene_, [&](const Element& element) {
+    if (element.tag() == "randomize") randomize(element);
+  });
   if (sink().has_errors()) return nullptr;
   start();
   spring_lengths();
@@ -111,6 +114,15 @@ void Builder::matter_and_devices() {
       if (of.given()) names_.find(element, *of, Wanted::any);
     }
   });
+}
+
+// Elements with signals, which name the others.
+void Builder::forces_and_targets() {
+  for_each(scene_, [&](const Element& element) {
+    if (is_force(element.tag())) force(element);
+  });
+  for (std::size_t i = 0; i < motor_elements_.size(); ++i)
+    target_signal(*motor_elements_[i], model_.motors[i]);
 }
 
 void Builder::settings() {

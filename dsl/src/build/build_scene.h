@@ -39,6 +39,9 @@ std::vector<std::string> names_of(const SceneModel& model, Thing thing);
 /// An index of the model, which counts in int, for a container.
 inline std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
+/// Of the target of a motor.
+Dimension target_dimension(const SceneModel& model, const Motor& motor);
+
 class Builder {
  public:
   Builder(CompileContext& context, const Element& scene);
@@ -120,6 +123,7 @@ class Builder {
   // build_scene.cpp
   void settings();
   void matter_and_devices();
+  void forces_and_targets();
   void light(const Element& element);
   void view(const Element& element);
   void frame(const Element& element);
@@ -196,6 +200,7 @@ class Builder {
   void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
+  void target_signal(const Element& element, Motor& motor);
 
   // mazes.cpp
   void doors();
@@ -266,6 +271,11 @@ class Builder {
   void expectation(const Element& element, TestModel& test, double length,
                    const std::vector<std::string>& added);
   void measure(const Element& element);
+
+  // randomize.cpp
+  void randomize(const Element& element);
+  bool drawn_quantities(const Element& element, const Call& call, std::string_view attribute,
+                        RandomizeModel& out);
 
   // check_scene.cpp
   void start();

@@ -9,6 +9,23 @@ constexpr std::string_view kDcNames[] = {"kt",   "ke",          "resistance",
 
 }  // namespace
 
+Dimension target_dimension(const SceneModel& model, const Motor& motor) {
+  const Joint& joint = model.joints[at(motor.joint)];
+  const bool turns = axis_turns(joint.type, motor.axis);
+  switch (motor.mode) {
+    case MotorMode::velocity:
+      return turns ? dim::kAngularSpeed : dim::kSpeed;
+    case MotorMode::torque:
+      return turns ? dim::kTorque : dim::kForce;
+    case MotorMode::dc:
+      return dim::kVoltage;
+    case MotorMode::position:
+    case MotorMode::servo:
+      break;
+  }
+  return turns ? dim::kAngle : dim::kLength;
+}
+
 void Builder::effort_limit(std::string_view code, const Element& element,
                            const std::string& subject, bool turns, double& effort) {
   const std::string_view right = turns ? "max-torque" : "max-force";
@@ -72,7 +89,6 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
     if (given.given()) value = *given;
     return given.given();
   };
-  Dimension target = turns ? dim::kAngle : dim::kLength;
   if (element.tag() == "servo") {
     motor.mode = MotorMode::servo;
     take("kp", turns ? dim::kAngularStiffness : dim::kStiffness, motor.kp);
@@ -83,15 +99,12 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
     if (mode.failed()) return false;
     if (*mode == "torque") {
       motor.mode = MotorMode::torque;
-      target = turns ? dim::kTorque : dim::kForce;
     } else if (*mode == "position") {
       motor.mode = MotorMode::position;
     } else if (*mode == "dc") {
       motor.mode = MotorMode::dc;
-      target = dim::kVoltage;
     } else {
       motor.mode = MotorMode::velocity;
-      target = turns ? dim::kAngularSpeed : dim::kSpeed;
     }
     if (r.has("response") && motor.mode != MotorMode::position)
       fault("CG0608", element, "response",
@@ -124,10 +137,35 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
                     " mode");
     }
   }
-  const auto at = r.number("target", target);
+  const auto at = r.number("target", target_dimension(model_, motor));
   good = good && !at.failed();
   if (at.given()) motor.target = *at;
+  if (at.given() && r.has("target-signal"))
+    fault("CG0608", element, "target-signal", "'target' and 'target-signal' both set the target")
+        .help("leave one of them out");
   return good;
+}
+
+// When everything that a signal can name is known.
+void Builder::target_signal(const Element& element, Motor& motor) {
+  const auto text = reader(element).text("target-signal");
+  if (!text.given()) return;
+  const Dimension wanted = target_dimension(model_, motor);
+  const auto parse = [&](const SignalScope& scope) -> Result<std::string> {
+    const auto parsed = Signal::parse(scope, *text);
+    if (!parsed) return tl::unexpected(parsed.error());
+    const auto unit = units::parse_unit(parsed->unit());
+    const bool number = parsed->unit() == "1";
+    if (!number && (!unit || units::fits(unit->dimension, wanted))) return parsed->text();
+    const std::string si = units::unit_of(wanted);
+    return fail("the target is " + units::describe(wanted) + ", but the signal " +
+                    (number ? "has no unit" : "is in " + parsed->unit()),
+                "",
+                number ? "multiply it by one: 1 " + si + " * (" + *text + ")"
+                       : "the unit of the signal must be that of " + si);
+  };
+  if (const auto full = with_signals("CG1201", element, "target-signal", *text, {}, parse))
+    motor.target_signal = *full;
 }
 
 }  // namespace cogrsim::dsl

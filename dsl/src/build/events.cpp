@@ -140,10 +140,12 @@ SceneModelPtr Builder::fragment() {
   model_.name = scene_.name;
   materials();
   matter_and_devices();
+  forces_and_targets();
   material_pairs();
   collision_pairs();
   if (sink().has_errors()) return nullptr;
   start();
+  spring_lengths();
   if (sink().has_errors()) return nullptr;
   check_overlaps();
   check_mass_ratios();
@@ -257,16 +259,16 @@ std::optional<std::string> Builder::present_name(const Element& from, const Word
   // A supervisor may add anything.
   const bool may_be_made =
       !model_.supervisors.empty() && thing != Thing::templates && found.element == nullptr;
-  Report report = sink().report(
-      thing == Thing::templates ? "CG1306"
-      : may_be_made             ? "CG2030"
-                                : "CG1302",
-      word.span, from.trail,
-      found.element != nullptr
-          ? "'" + word.text + "' is " + kind_of(*found.element) + ", expected " +
-                (thing == Thing::owner ? "an " : "a ") + describe(thing)
-          : "there is no " + std::string(describe(thing)) + " '" + word.text +
-                (thing == Thing::templates ? "'" : "' here, and no action adds one"));
+  Report report =
+      sink().report(thing == Thing::templates ? "CG1306"
+                    : may_be_made             ? "CG2030"
+                                              : "CG1302",
+                    word.span, from.trail,
+                    found.element != nullptr
+                        ? "'" + word.text + "' is " + kind_of(*found.element) + ", expected " +
+                              (thing == Thing::owner ? "an " : "a ") + describe(thing)
+                        : "there is no " + std::string(describe(thing)) + " '" + word.text +
+                              (thing == Thing::templates ? "'" : "' here, and no action adds one"));
   const std::vector<std::string> known = names_of(model_, thing);
   const std::string help = known.empty() ? "the scene has none" : suggest(word.text, known);
   if (!may_be_made) {
@@ -303,8 +305,9 @@ void Builder::region(const Element& element) {
     if (words.failed()) return;
     if ((*words).empty())
       fault("CG1302", element, "who", "this region detects nothing: 'who' is empty")
-          .help("name bodies, assemblies or frames; leave 'who' out to detect everything that can "
-                "move");
+          .help(
+              "name bodies, assemblies or frames; leave 'who' out to detect everything that can "
+              "move");
     for (const Word& word : *words)
       if (auto name = present_name(element, word, Thing::posed)) region.who.push_back(*name);
   }

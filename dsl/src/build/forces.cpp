@@ -1,4 +1,5 @@
-// Forces, drags and springs on bodies.
+// Forces on bodies, and the wind.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -68,6 +69,30 @@ void Builder::force(const Element& element) {
     good = good && !given.failed();
     if (given.given()) value = *given;
   };
+  const auto take_time = [&] {
+    take("from", force.from);
+    take("until", force.until);
+    if (!r.has("factor")) return;
+    const auto text = r.text("factor");
+    const auto parse = [&](const SignalScope& scope) -> Result<std::string> {
+      const auto parsed = Signal::parse(scope, *text);
+      if (!parsed) return tl::unexpected(parsed.error());
+      if (parsed->unit() == "1" || parsed->unit().empty()) return parsed->text();
+      return fail("the factor has the unit " + parsed->unit(), "",
+                  "divide it by one of them: (" + *text + ") / 1 " + parsed->unit());
+    };
+    const auto factor =
+        text.given() ? with_signals("CG1201", element, "factor", *text, {}, parse) : std::nullopt;
+    good = good && factor.has_value();
+    if (factor) force.factor = *factor;
+  };
+  if (element.tag() == "wind") {
+    force.kind = ForceModel::Kind::wind;
+    take_vector("velocity", force.wind);
+    take_time();
+    if (good) model_.forces.push_back(std::move(force));
+    return;
+  }
   if (element.tag() == "spring") {
     force.kind = ForceModel::Kind::spring;
     good = spring_ends(element, force) && good;
@@ -91,6 +116,20 @@ void Builder::force(const Element& element) {
         .help("name a body that moves");
     return;
   }
+  if (element.tag() == "buoyancy") {
+    force.kind = ForceModel::Kind::buoyancy;
+    take("density", force.density);
+    take("level", force.level);
+    const std::vector<Shape>& shapes = model_.bodies[static_cast<std::size_t>(force.body)].shapes;
+    const bool open = std::all_of(shapes.begin(), shapes.end(), [&](const Shape& shape) {
+      return !(shape_volume(shape, model_.meshes) > 0.0);
+    });
+    if (open && good)
+      fault("CG0715", element, "on", "'" + (*word).text + "' has no shape with a volume")
+          .help("name a body with shapes");
+    if (good && !open) model_.forces.push_back(std::move(force));
+    return;
+  }
   force.X_BE =
       model_.bodies[static_cast<std::size_t>(force.body)].X_WB.inverse() * note(element).X_W;
   if (element.tag() == "drag") {
@@ -103,22 +142,7 @@ void Builder::force(const Element& element) {
     take_vector("force", force.force);
     take_vector("torque", force.torque);
     force.in_body = *r.text("axes") == "own";
-    take("from", force.from);
-    take("until", force.until);
-    if (r.has("factor")) {
-      const auto text = r.text("factor");
-      const auto parse = [&](const SignalScope& scope) -> Result<std::string> {
-        const auto parsed = Signal::parse(scope, *text);
-        if (!parsed) return tl::unexpected(parsed.error());
-        if (parsed->unit() == "1" || parsed->unit().empty()) return parsed->text();
-        return fail("the factor has the unit " + parsed->unit(), "",
-                    "divide it by one of them: (" + *text + ") / 1 " + parsed->unit());
-      };
-      const auto factor =
-          text.given() ? with_signals("CG1201", element, "factor", *text, {}, parse) : std::nullopt;
-      good = good && factor.has_value();
-      if (factor) force.factor = *factor;
-    }
+    take_time();
   }
   if (good) model_.forces.push_back(std::move(force));
 }

@@ -54,24 +54,6 @@ bool is_word(std::string_view text) {
   });
 }
 
-/// Dimension of what a motor calls its target.
-Dimension target_dimension(const SceneModel& model, const Motor& motor) {
-  const Joint& joint = model.joints[at(motor.joint)];
-  const bool turns = axis_turns(joint.type, motor.axis);
-  switch (motor.mode) {
-    case MotorMode::velocity:
-      return turns ? dim::kAngularSpeed : dim::kSpeed;
-    case MotorMode::torque:
-      return turns ? dim::kTorque : dim::kForce;
-    case MotorMode::dc:
-      return dim::kVoltage;
-    case MotorMode::position:
-    case MotorMode::servo:
-      break;
-  }
-  return turns ? dim::kAngle : dim::kLength;
-}
-
 template <class T>
 const T* find_in(const std::vector<T>& elements, const std::string& name) {
   for (const T& element : elements)

@@ -512,6 +512,8 @@ class MjcfWriter {
     const double q0 = j.position[ExportTree::index(m.axis)];
     const double effort = std::min(m.max_effort, j.axes[ExportTree::index(m.axis)].max_effort);
     double target = m.target.value_or(0.0);
+    if (!m.target_signal.empty())
+      tree_.left_out(m.origin, "target-signal of " + element, "MJCF has no targets over time");
     const std::string name = tree_.unique_name("actuator", m.name);
     // effort = gain * control + b1 q + b2 u.
     const auto general = [&](double gain, double b1, double b2) {

@@ -134,6 +134,10 @@ std::vector<CodeInfo> scene_codes() {
        "coupling puts it.",
        "bad:  <couple joint=\"a\" to=\"b c\" ratio=\"2\"/>\n"
        "good: <couple joint=\"a\" to=\"b c\" ratio=\"2 -1\"/>"},
+      {"CG0715", error, "a buoyancy without volume",
+       "The body has no shape with a volume, so it displaces nothing.",
+       "Name a body with solid shapes; planes, heightmaps and open meshes have no volume.",
+       "good: <box name=\"hull\" size=\"2 1 1\"/> <buoyancy on=\"hull\"/>"},
       // ---- CG08: what the backend can do
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "
@@ -203,6 +207,18 @@ std::vector<CodeInfo> scene_codes() {
        "Add the missing signal, or delete the superfluous one.",
        "bad:  <plot kind=\"map\" x=\"robot.x\"/>\n"
        "good: <plot kind=\"map\" x=\"robot.x\" y=\"robot.y\"/>"},
+      {"CG1203", error, "a quantity to randomize that does not exist",
+       "No element of the scene has a quantity of this name, or it cannot be changed: a body with "
+       "joints has no place of its own.",
+       "Write ELEMENT.QUANTITY, where * stands for any characters.",
+       "bad:  <randomize what=\"robot.*.weight\" by=\"uniform(0.9, 1.1)\"/>\n"
+       "good: <randomize what=\"robot.*.mass\" by=\"uniform(0.9, 1.1)\"/>"},
+      {"CG1204", error, "a distribution that cannot be drawn from",
+       "There is no such distribution, its numbers do not fit, or a value could become impossible, "
+       "such as a mass below 0.",
+       "Write uniform(low, high), normal(mean, sigma), loguniform(low, high) or choice(a, b, c) "
+       "within the range of the quantity.",
+       "bad:  by=\"uniform(-1, 1)\"\ngood: by=\"uniform(0.5, 1.5)\""},
       // ---- CG20: warnings
       {"CG2001", warning, "bodies that overlap at the start",
        "Two bodies that collide with each other interpenetrate at the start; the engine will push "

@@ -75,7 +75,7 @@ const ElementSpec& contact_sensor();
 
 /// Joint elements: hinge slider ball universal fixed cylindrical planar screw free.
 bool is_joint(std::string_view element);
-/// Elements that act on bodies: force drag spring.
+/// Elements that act on bodies: force drag spring buoyancy wind.
 bool is_force(std::string_view element);
 /// Shape elements: box sphere cylinder capsule ellipsoid cone prism plane mesh
 /// heightmap.

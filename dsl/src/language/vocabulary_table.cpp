@@ -90,7 +90,10 @@ Attributes drive() {
                      1, 3),
              above_zero(number("max-torque", kTorque, "Largest torque, for a rotational axis.")),
              above_zero(number("max-force", kForce, "Largest force, for a translational axis.")),
-             above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed."))};
+             above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed.")),
+             attr("target-signal", Kind::text,
+                  "Signal that gives the target in every step until a controller or an action sets "
+                  "one, such as \"0.5 rad * sin(2 rad/s * time)\", in the unit of `target`.")};
 }
 
 Attributes controller(AttributeSpec plugin) {
@@ -141,20 +144,20 @@ const Words kMatter = {"material", "collide"};
 /// Inside an assembly.
 Words assembly_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints +
-         Words{"couple", "motor", "servo", "force", "drag", "spring"} + kSensors +
+         Words{"couple", "motor", "servo", "force", "drag", "spring", "buoyancy"} + kSensors +
          Words{"contact", "controller", "instance", "plot", "region", "door"} + kMatter;
 }
 /// Inside a template: what an added assembly can have.
 Words template_content() {
   return kShapes + Words{"body", "assembly", "frame"} + kJoints +
-         Words{"couple", "motor", "servo", "force", "drag", "spring"} + kSensors +
+         Words{"couple", "motor", "servo", "force", "drag", "spring", "buoyancy"} + kSensors +
          Words{"contact", "controller", "instance"} +
          kMatter;
 }
 Words scene_content() {
   return Words{"physics", "param", "import", "prototype"} + assembly_content() +
-         Words{"supervisor", "light", "view",   "maze", "scatter",
-               "template",   "on",    "record", "test", "measure"};
+         Words{"supervisor", "light", "view",   "maze", "scatter", "wind",
+               "template",   "on",    "record", "test", "measure", "randomize"};
 }
 Words prototype_content() {
   return Words{"param", "export"} + assembly_content() + Words{"light", "maze", "scatter", "on"};
@@ -416,6 +419,9 @@ void add_joints(std::vector<ElementSpec>& out) {
 void add_forces(std::vector<ElementSpec>& out) {
   const auto group = "Forces";
   const Attributes on = {must(attr("on", Kind::reference, "Body or frame that it acts on."))};
+  const Attributes interval = {
+      at_least(number("from", kTime, "Time at which it begins.", "0 s"), 0.0),
+      at_least(or_none(number("until", kTime, "Time at which it ends.", "none")), 0.0)};
   out.push_back(element(
       group, "force",
       "A force and a torque on a body, at the element's position: constant, during an interval, or "
@@ -429,10 +435,8 @@ void add_forces(std::vector<ElementSpec>& out) {
                             "world"),
                      attr("factor", Kind::text,
                           "Signal that multiplies both, such as \"pilot.thrust\" or "
-                          "\"sin(2 rad/s * time)\"; 1 if left out."),
-                     at_least(number("from", kTime, "Time at which it begins.", "0 s"), 0.0),
-                     at_least(or_none(number("until", kTime, "Time at which it ends.", "none")),
-                              0.0)},
+                          "\"sin(2 rad/s * time)\"; 1 if left out.")} +
+          interval,
       {}, "<force on=\"hull\" xyz=\"-20 0 0 cm\" force=\"4 0 0\" axes=\"own\" until=\"2 s\"/>"));
   out.push_back(element(
       group, "drag",
@@ -465,6 +469,25 @@ void add_forces(std::vector<ElementSpec>& out) {
                               0.0),
                      attr("cable", Kind::boolean, "Pulls only, as a rope does.", "false")},
       {}, "<spring between=\"hook crate\" stiffness=\"500 N/m\" damping=\"5 N*s/m\"/>"));
+  out.push_back(element(
+      group, "buoyancy",
+      "The lift of a fluid at rest: the weight of what the shapes of the body displace below a level, "
+      "at the centroid of that volume. <drag> adds the resistance. Shapes that overlap count twice.",
+      named() +
+          Attributes{must(attr("on", Kind::reference, "Body that floats.")),
+                     number("level", kLength,
+                            "Height of the surface, from the world's origin against gravity.", "0 m"),
+                     above_zero(number("density", kDensity, "Of the fluid.", "1000 kg/m^3"))},
+      {}, "<buoyancy on=\"hull\" level=\"20 cm\"/>"));
+  out.push_back(element(
+      group, "wind", "Velocity of the medium for every <drag>, added to the drag's own wind.",
+      named() +
+          Attributes{must(numbers("velocity", kSpeed, 3, "Velocity, in world axes.")),
+                     attr("factor", Kind::text,
+                          "Signal that multiplies it, such as \"1 + 0.3 * sin(2 rad/s * time)\"; 1 "
+                          "if left out.")} +
+          interval,
+      {}, "<wind velocity=\"5 0 0 m/s\" factor=\"1 + 0.3 * sin(2 rad/s * time)\"/>"));
 }
 
 void add_motion(std::vector<ElementSpec>& out) {

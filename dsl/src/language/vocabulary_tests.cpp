@@ -20,6 +20,27 @@ AttributeSpec when(std::string_view name, std::string_view doc) {
   return at_least(number(name, kTime, doc), 0.0);
 }
 
+/// A distribution of values of any quantity.
+AttributeSpec distribution(std::string_view name, std::string_view doc) {
+  AttributeSpec a = attr(name, Kind::noise, doc);
+  a.dimensions = {kNone,
+                  kMass,
+                  kLength,
+                  kForce,
+                  kTorque,
+                  kStiffness,
+                  kAngularStiffness,
+                  kDamping,
+                  kAngularDamping,
+                  kInertia,
+                  kSpeed,
+                  kAngularSpeed,
+                  kIntegralGain,
+                  kAngularIntegralGain,
+                  kLinearDensity};
+  return a;
+}
+
 }  // namespace
 
 void add_tests(std::vector<ElementSpec>& out) {
@@ -45,10 +66,10 @@ void add_tests(std::vector<ElementSpec>& out) {
        at_least(of_signal("tolerance", "Largest allowed difference from `equals`."), 0.0),
        when("at", "Time; the end of the run if left out.")},
       {}, "<expect that=\"mass(robot)\" equals=\"1.58 kg\" tolerance=\"1 g\"/>"));
-  out.push_back(element(group, "always", "A condition that must hold in every frame.",
-                        {that, when("until",
-                                    "End of the interval; the end of the run if left out.")}, {},
-                        "<always that=\"abs(robot.roll) lt 10 deg\"/>"));
+  out.push_back(
+      element(group, "always", "A condition that must hold in every frame.",
+              {that, when("until", "End of the interval; the end of the run if left out.")}, {},
+              "<always that=\"abs(robot.roll) lt 10 deg\"/>"));
   out.push_back(element(group, "eventually", "A condition that must hold in at least one frame.",
                         {that, when("within", "Latest time; the end of the run if left out.")}, {},
                         "<eventually that=\"distance(robot, wall) lt 20 cm\" within=\"15 s\"/>"));
@@ -72,6 +93,27 @@ void add_tests(std::vector<ElementSpec>& out) {
                      "last"),
               added()},
       {}, "<measure name=\"time\" signal=\"inside(bot, goal)\" take=\"first-time\"/>"));
+  out.push_back(element(
+      group, "randomize",
+      "Draws quantities of the scene for each run, and in a batch for each episode: from the seed, "
+      "so "
+      "that a seed gives the same values on every engine.",
+      {must(attr(
+           "what", Kind::text,
+           "Quantities; * stands for any characters. Of a body: mass (with its inertia), com.x "
+           "com.y com.z, friction restitution rolling-friction spinning-friction (of its "
+           "shapes), and without joints x y z; of an assembly x y z; of a material the same "
+           "four of surfaces; of a joint damping friction stiffness rotor-inertia max-effort; "
+           "of a motor max-effort max-speed, of a servo kp ki kd, too; of a spring stiffness "
+           "damping, of a drag linear quadratic angular, of a buoyancy density "
+           "level, of a wind x y z; of a sensor noise-sigma.")),
+       distribution("by",
+                    "Factor: uniform(low, high) normal(mean, sigma) loguniform(low, high) "
+                    "choice(a, b, c). A number that gives an impossible value is drawn again."),
+       distribution("to", "Value that replaces that of the scene."),
+       distribution("add", "Difference to the value of the scene."),
+       attr("together", Kind::boolean, "One number for all of them; else one for each.", "false")},
+      {}, "<randomize what=\"robot.*.mass\" by=\"uniform(0.9, 1.1)\"/>"));
 }
 
 }  // namespace cogrsim::dsl::rows

@@ -93,25 +93,25 @@ void fields(Io& io, Coupling& x) {
 template <class Io>
 void fields(Io& io, Motor& x) {
   auto& [name, joint, axis, mode, max_effort, max_speed, response, kp, ki, kd, kt, ke, resistance,
-         gear, max_voltage, max_current, target, assembly, removed, origin] = x;
+         gear, max_voltage, max_current, target, target_signal, assembly, removed, origin] = x;
   io("name", name)("joint", joint)("axis", axis)("mode", mode)("max_effort", max_effort);
   io("max_speed", max_speed)("response", response)("kp", kp)("ki", ki)("kd", kd)("kt", kt);
   io("ke", ke)("resistance", resistance)("gear", gear)("max_voltage", max_voltage);
-  io("max_current", max_current)("target", target)("assembly", assembly)("removed", removed);
-  io("origin", origin);
+  io("max_current", max_current)("target", target)("target_signal", target_signal);
+  io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
 void fields(Io& io, ForceModel& x) {
   auto& [kind, name, body, X_BE, other, other_point, in_body, force, torque, factor, from, until,
-         linear, quadratic, angular, wind, stiffness, damping, length, cable, assembly, removed,
-         origin] = x;
+         linear, quadratic, angular, wind, stiffness, damping, length, cable, density, level,
+         assembly, removed, origin] = x;
   io("kind", kind)("name", name)("body", body)("X_BE", X_BE)("other", other);
   io("other_point", other_point)("in_body", in_body)("force", force)("torque", torque);
   io("factor", factor)("from", from)("until", until)("linear", linear)("quadratic", quadratic);
   io("angular", angular)("wind", wind)("stiffness", stiffness)("damping", damping);
-  io("length", length)("cable", cable)("assembly", assembly)("removed", removed);
-  io("origin", origin);
+  io("length", length)("cable", cable)("density", density)("level", level);
+  io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>
@@ -229,11 +229,24 @@ void fields(Io& io, MeasureModel& x) {
 }
 
 template <class Io>
+void fields(Io& io, RandomizeModel& x) {
+  auto& [how, shape, what, quantities, numbers, together, origin] = x;
+  io("how", how)("shape", shape)("what", what)("quantities", quantities)("numbers", numbers);
+  io("together", together)("origin", origin);
+}
+
+template <class Io>
+void fields(Io& io, DrawnValue& x) {
+  auto& [quantity, value] = x;
+  io("quantity", quantity)("value", value);
+}
+
+template <class Io>
 void fields(Io& io, SceneModel& x) {
   auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
-         frames, joints, couplings, motors, forces, sensors, controllers, supervisors, lights, views, record, plots,
-         regions, doors, mazes, templates, rules, measures, tests, no_collide, joint_positions,
-         joint_speeds] = x;
+         frames, joints, couplings, motors, forces, sensors, controllers, supervisors, lights,
+         views, record, plots, regions, doors, mazes, templates, rules, measures, tests, randomize,
+         drawn, no_collide, joint_positions, joint_speeds] = x;
   static_cast<void>(meshes);  // stored as packed numbers, see Model in cogrsim.proto
   static_cast<void>(heightmaps);
   // Elements that are only used during a run are in the attached scene file.
@@ -247,6 +260,7 @@ void fields(Io& io, SceneModel& x) {
   io("controllers", controllers)("supervisors", supervisors)("lights", lights)("views", views);
   io("record", record)("plots", plots)("no_collide", no_collide);
   io("regions", regions)("doors", doors)("mazes", mazes)("measures", measures);
+  io("randomize", randomize)("drawn", drawn);
   io("joint_positions", joint_positions)("joint_speeds", joint_speeds);
 }
 
@@ -258,7 +272,13 @@ constexpr int last_of() {
   if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::free);
   if constexpr (std::is_same_v<Enum, MotorMode>) return static_cast<int>(MotorMode::dc);
   if constexpr (std::is_same_v<Enum, ForceModel::Kind>) {
-    return static_cast<int>(ForceModel::Kind::spring);
+    return static_cast<int>(ForceModel::Kind::wind);
+  }
+  if constexpr (std::is_same_v<Enum, RandomizeModel::How>) {
+    return static_cast<int>(RandomizeModel::How::add);
+  }
+  if constexpr (std::is_same_v<Enum, RandomizeModel::Shape>) {
+    return static_cast<int>(RandomizeModel::Shape::choice);
   }
   if constexpr (std::is_same_v<Enum, NoiseTerm::Kind>) {
     return static_cast<int>(NoiseTerm::Kind::bias_walk);

@@ -40,7 +40,7 @@ class Check {
     check_couplings();
     check_motors();
     for (const ForceModel& force : model_.forces) {
-      if (force.removed) continue;
+      if (force.removed || force.kind == ForceModel::Kind::wind) continue;
       need("body.force", "forces on bodies", "force '" + force.name + "'", force.origin,
            "leave it out, or run the scene on another backend");
     }

@@ -319,7 +319,9 @@ class Arithmetic : expression::Parser<Arithmetic, Result<SignalNode>, kDeepest> 
     if (end == start && start > 0) {
       return fail(fmt::format("something is missing at the end of '{}'", text_));
     }
-    return leaf_(std::string(text_.substr(start, end - start)));
+    const std::string name(text_.substr(start, end - start));
+    if (name == "pi") return SignalNode(std::make_shared<Number>(kPi, name, units::Unit(), ""));
+    return leaf_(name);
   }
 
   const Leaf& leaf_;

@@ -80,6 +80,7 @@ void Simulation::Impl::apply(Command& command) {
                    return {};
                  },
                  [&](Restart& c) { return restart(c.seed); },
+                 [&](ApplyForce& c) { return forces.apply(c, host, clock); },
                  [&](EndRun& c) -> Result<> {
                    // At the end of its step, so that the last events are published.
                    ending = true;
@@ -108,6 +109,7 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   status = RunStatus::running;
   ending = false;
   events.reset(model(), host.seed());
+  forces.set_applied({});
   world_changed();
   commands.restore({});  // those that the previous run has sent do not apply to this one
   const std::vector<Diagnostic> found = build_all();

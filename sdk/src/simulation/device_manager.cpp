@@ -1,5 +1,7 @@
 #include "simulation/device_manager.h"
 
+#include <cmath>
+
 #include "core/index.h"
 #include "model/motor_limits.h"
 
@@ -32,10 +34,27 @@ void DeviceManager::drop_removed(bool free) {
 void DeviceManager::set_target(int motor, double target) {
   const SceneModel& model = *host_.model();
   motors_[at(motor)].target = clamp_target(model, model.motors[at(motor)], target);
+  motors_[at(motor)].follows = false;
+}
+
+void DeviceManager::follow_signals(FrameSource& frames) {
+  const SceneModelPtr& model = host_.model();
+  target_signals_.resolve(model, model->motors, &Motor::target_signal,
+                          [this](int sensor) { return &sensors_.channels(at(sensor)); });
+  if (!target_signals_.any()) return;
+  // Controllers have published since the frame of this step was made.
+  const std::shared_ptr<Frame> frame = frames.latest(target_signals_.needs());
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    const Motor& motor = model->motors[i];
+    if (motor.target_signal.empty() || motor.removed || !motors_[i].follows) continue;
+    const double target = target_signals_.evaluate(i, *frame);
+    if (std::isfinite(target)) motors_[i].target = clamp_target(*model, motor, target);
+  }
 }
 
 void DeviceManager::stop(const std::vector<int>& motors) {
   for (const int motor : motors) {
+    motors_[at(motor)].follows = false;
     const MotorMode mode = host_.model()->motors[at(motor)].mode;
     if (mode == MotorMode::position || mode == MotorMode::servo) continue;
     motors_[at(motor)].target = 0.0;

@@ -6,6 +6,7 @@
 #include "sensing/frame_sensor_context.h"
 #include "sensing/sensor_suite.h"
 #include "simulation/clock.h"
+#include "simulation/element_signals.h"
 #include "simulation/frame_source.h"
 #include "simulation/message_log.h"
 #include "simulation/motor_law.h"
@@ -39,8 +40,12 @@ class DeviceManager {
 
   const MotorState& motor(int motor) const { return motors_[static_cast<std::size_t>(motor)]; }
   const std::vector<MotorState>& motors() const { return motors_; }
-  /// Sets a target within the limits of the motor. Precondition: finite.
+  /// Sets a target within the limits of the motor, which no longer follows a signal. Precondition:
+  /// finite.
   void set_target(int motor, double target);
+  /// Sets the targets of the motors that follow a signal; a value that is not finite leaves the target
+  /// as it is. No cost in a scene without such motors.
+  void follow_signals(FrameSource& frames);
   /// Motors that move stop: targets become zero, and position motors hold.
   void stop(const std::vector<int>& motors);
   /// The drives of a step that begins in the current state.
@@ -59,6 +64,7 @@ class DeviceManager {
   WorldHost& host_;
   const Clock& clock_;
   std::vector<MotorState> motors_;
+  ElementSignals target_signals_;
   std::vector<Drive> drives_;
   SensorSuite sensors_;
   FrameSensorContext sensing_;

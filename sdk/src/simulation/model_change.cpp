@@ -1,11 +1,12 @@
 #include "simulation/model_change.h"
-#include "core/index.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "cogrsim/model/mass_properties.h"
+#include "cogrsim/signals/signal.h"
+#include "core/index.h"
 
 namespace cogrsim {
 
@@ -67,6 +68,8 @@ class Appender {
     append_joints();
     append_devices();
     append_places();
+    rename_signals(&SceneModel::motors, &Motor::target_signal);
+    rename_signals(&SceneModel::forces, &ForceModel::factor);
     for (BodyPair pair : from_.no_collide) {
       to_.no_collide.emplace_back(shifted(pair.first, bodies_), shifted(pair.second, bodies_));
     }
@@ -81,6 +84,18 @@ class Appender {
     element.name = prefix_ + element.name;
     element.origin.file = mapped(element.origin.file, files_);
     return element;
+  }
+
+  /// Gives signals of the appended elements the names that the model now has.
+  template <class Element>
+  void rename_signals(std::vector<Element> SceneModel::*list, std::string Element::*text) {
+    const SignalScope scope{to_, built_in_channels(to_),
+                            [this](const std::string& name) { return prefix_ + name; }};
+    for (std::size_t i = (to_.*list).size() - (from_.*list).size(); i < (to_.*list).size(); ++i) {
+      std::string& signal = (to_.*list)[i].*text;
+      if (signal.empty()) continue;
+      if (const auto parsed = Signal::parse(scope, signal)) signal = parsed->text();
+    }
   }
 
   // Equal entries of the model are reused, however often a template is spawned, so that a material

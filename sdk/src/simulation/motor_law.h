@@ -13,6 +13,7 @@ namespace cogrsim {
 struct MotorState {
   double target = 0.0;    ///< unit: see Motor
   double integral = 0.0;  ///< of the position error of a servo [rad s] or [m s]
+  bool follows = true;    ///< its signal, if it has one: nothing else has set its target
 };
 
 /// The state at time 0: the target of the scene, or else 0, or the initial joint position in the

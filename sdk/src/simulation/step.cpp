@@ -140,6 +140,7 @@ RunStatus Simulation::Impl::step() {
   const auto channels = [this](int sensor) {
     return &devices.sensors().channels(static_cast<std::size_t>(sensor));
   };
+  devices.follow_signals(*this);
   forces.apply(host, clock, channels, *this);
   const StepResult result =
       host.step(clock.time(), clock.dt(), devices.make_drives(), wants_accelerations());

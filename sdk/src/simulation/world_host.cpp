@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cogrsim/model/randomize.h"
 #include "cogrsim/plugin/crash_report.h"
 #include "core/index.h"
 
@@ -11,8 +12,10 @@ WorldHost::WorldHost(std::shared_ptr<const Backend> backend, Provenance provenan
                      SceneModelPtr scene)
     : backend_(std::move(backend)),
       provenance_(std::move(provenance)),
-      original_(scene),
-      model_(std::move(scene)) {}
+      original_(with_drawn_values(scene)),
+      model_(original_) {
+  if (original_ != scene) undrawn_ = std::move(scene);
+}
 
 Result<> WorldHost::create() {
   const PluginCall call("backend", backend_->name(), "", "", "while the world was created");
@@ -24,27 +27,36 @@ Result<> WorldHost::create() {
 }
 
 Result<> WorldHost::restart(std::optional<std::uint64_t> seed) {
-  if (rebuild_on_restart_) {
-    auto fresh = backend_->create_world(original_);
+  SceneModelPtr original = original_, undrawn = undrawn_;
+  bool rebuild = rebuild_on_restart_;
+  if (seed && *seed != original->physics.seed) {
+    auto reseeded = std::make_shared<SceneModel>(undrawn ? *undrawn : *original);
+    reseeded->physics.seed = *seed;
+    if (undrawn) {
+      undrawn = reseeded;
+      rebuild = true;  // with other values
+    }
+    original = with_drawn_values(std::move(reseeded));
+  }
+  if (rebuild) {
+    auto fresh = backend_->create_world(original);
     if (!fresh) return tl::unexpected(fresh.error());
     world_ = std::move(*fresh);
     rebuild_on_restart_ = false;
   } else if (auto done = world_->reset(); !done) {
     return done;
   }
-  if (seed && *seed != original_->physics.seed) {
-    auto reseeded = std::make_shared<SceneModel>(*original_);
-    reseeded->physics.seed = *seed;
-    original_ = std::move(reseeded);
-  }
+  original_ = std::move(original);
+  undrawn_ = std::move(undrawn);
   model_ = original_;
   before_ = {};
   changed();
   return {};
 }
 
-void WorldHost::restart_from(SceneModelPtr original) {
-  original_ = std::move(original);
+void WorldHost::restart_from(const WorldHost& scene) {
+  original_ = scene.original_;
+  undrawn_ = scene.undrawn_;
   rebuild_on_restart_ = true;
 }
 
@@ -109,6 +121,14 @@ StepResult WorldHost::step(double time, double dt, const std::vector<Drive>& dri
 }
 
 Result<> WorldHost::restore(const Saved& saved) {
+  if (undrawn_ && saved.original != original_) {  // a run with other values
+    auto other = backend_->create_world(saved.original);
+    if (!other) return tl::unexpected(other.error());
+    world_ = std::move(*other);
+    original_ = saved.original;
+    undrawn_ = saved.undrawn;
+    rebuild_on_restart_ = false;
+  }
   if (auto done = world_->restore(saved.world); !done) return done;
   model_ = saved.model;
   before_ = saved.before;

@@ -23,7 +23,7 @@ class WorldHost {
   };
   /// Part of snapshots.
   struct Saved {
-    SceneModelPtr model;
+    SceneModelPtr model, original, undrawn;
     SnapshotPtr world;
     Before before;
   };
@@ -45,8 +45,8 @@ class WorldHost {
 
   /// The initial scene again, optionally with another seed. After an error nothing has changed.
   Result<> restart(std::optional<std::uint64_t> seed);
-  /// The world was created from another scene than `original`, from which a restart creates it.
-  void restart_from(SceneModelPtr original);
+  /// The world was created from another scene than that of `scene`, from which a restart creates it.
+  void restart_from(const WorldHost& scene);
 
   /// Changes world and model: elements are added, removed, or have other properties.
   Result<> add(SceneModelPtr next);
@@ -66,7 +66,7 @@ class WorldHost {
   const Before& before() const { return before_; }
   void set_before(Before before) { before_ = std::move(before); }
 
-  Saved save() const { return {model_, world_->save(), before_}; }
+  Saved save() const { return {model_, original_, undrawn_, world_->save(), before_}; }
   Result<> restore(const Saved& saved);
 
  private:
@@ -74,6 +74,7 @@ class WorldHost {
   Provenance provenance_;
   std::unique_ptr<World> world_;
   SceneModelPtr original_, model_;
+  SceneModelPtr undrawn_;  // `original_` without drawn values; nullptr: it has none
   bool rebuild_on_restart_ = false;
   WorldState state_;  // cached, valid if `state_fresh_`
   bool state_fresh_ = false;

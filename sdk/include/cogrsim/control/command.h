@@ -41,6 +41,15 @@ struct SetKinematicTwist {
   std::string body;  ///< dotted name
   Twist twist;       ///< of the body origin, in world axes
 };
+/// Applies a force and a torque to a dynamic body, beside those of the scene, for some time.
+struct ApplyForce {
+  std::string body;            ///< dotted name
+  Vec3 force = Vec3::Zero();   ///< [N]
+  Vec3 torque = Vec3::Zero();  ///< [N m]
+  Vec3 point = Vec3::Zero();   ///< at which the force acts, in the frame of the body [m]
+  bool in_body = false;        ///< the vectors turn with the body; else they are in world axes
+  double duration = 0.0;       ///< [s]; 0: one step
+};
 /// Sets the state of the whole world, see World::set_state().
 struct SetState {
   WorldState state;
@@ -51,8 +60,9 @@ std::variant<Own..., Shared...> joined_variant(std::variant<Shared...>*);
 }  // namespace detail
 
 /// Any of the commands above or any Action.
-using Command = decltype(detail::joined_variant<Pause, Resume, StepOnce, SetSpeed, SetStep, Restart,
-                                                AddAssembly, SetKinematicTwist, SetState>(
-    static_cast<Action*>(nullptr)));
+using Command =
+    decltype(detail::joined_variant<Pause, Resume, StepOnce, SetSpeed, SetStep, Restart,
+                                    AddAssembly, SetKinematicTwist, ApplyForce, SetState>(
+        static_cast<Action*>(nullptr)));
 
 }  // namespace cogrsim

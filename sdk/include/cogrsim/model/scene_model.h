@@ -173,19 +173,25 @@ struct Motor {
   /// Target at time 0: a speed, effort, position or voltage [V], depending on `mode`. Empty: 0; in
   /// the position and servo modes the initial position of the joint.
   std::optional<double> target;
+  /// A signal (cogrsim/signals/signal.h) that gives the target in every step, until a command or a
+  /// controller sets the target; empty: none.
+  std::string target_signal;
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
 };
 
-/// `<force>`, `<drag>` or `<spring>`: a force and a torque on a body, computed by CogRSim from the
-/// state and given to the engine for each step. They act at the frame E of the element.
+/// `<force>`, `<drag>`, `<spring>` or `<buoyancy>`: a force and a torque on a body, computed by
+/// CogRSim from the state and given to the engine for each step. They act at the frame E of the
+/// element. `<wind>` is what the drags add to their own wind.
 struct ForceModel {
   enum class Kind {
     force,  ///< `factor` times `force` and `torque`
     drag,   ///< -(linear + quadratic |v|) v - angular w, with v the velocity of E relative to `wind`
             ///< and w the angular velocity of the body
-    spring  ///< between E and E2, along the line: stiffness (l - length) + damping dl/dt
+    spring,   ///< between E and E2, along the line: stiffness (l - length) + damping dl/dt
+    buoyancy,  ///< density * volume of the body's shapes below `level` * -gravity, at its centroid
+    wind       ///< `factor` times `wind`, for all drags
   } kind = Kind::force;
   std::string name;  ///< dotted
   int body = kWorld;
@@ -195,17 +201,19 @@ struct ForceModel {
   bool in_body = false;        ///< force: the vectors are in the axes of E; else in world axes
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 torque = Vec3::Zero();  ///< [N m]
-  std::string factor;          ///< force: a signal (cogrsim/signals/signal.h); empty: 1
-  double from = 0.0;           ///< force: time at which it begins [s]
+  std::string factor;          ///< force, wind: a signal (cogrsim/signals/signal.h); empty: 1
+  double from = 0.0;           ///< force, wind: time at which it begins [s]
   double until = std::numeric_limits<double>::infinity();  ///< and ends [s]
   double linear = 0.0;         ///< drag [N s/m], >= 0
   double quadratic = 0.0;      ///< drag [N s^2/m^2], >= 0
   double angular = 0.0;        ///< drag [N m s/rad], >= 0
-  Vec3 wind = Vec3::Zero();    ///< drag: velocity of the medium [m/s]
+  Vec3 wind = Vec3::Zero();    ///< drag, wind: velocity of the medium [m/s]
   double stiffness = 0.0;      ///< spring [N/m], >= 0
   double damping = 0.0;        ///< spring [N s/m], >= 0
   double length = 0.0;         ///< spring: at which it exerts no force [m], >= 0
   bool cable = false;          ///< spring: pulls only
+  double density = 1000.0;     ///< buoyancy: of the fluid [kg/m^3], > 0
+  double level = 0.0;          ///< buoyancy: height of the surface against gravity [m]
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -474,6 +482,25 @@ struct TestModel {
 /// Two bodies that do not collide with each other.
 using BodyPair = std::pair<int, int>;  ///< first < second
 
+/// `<randomize>`: quantities that are drawn for each run, see cogrsim/model/randomize.h.
+struct RandomizeModel {
+  enum class How { multiply, set, add } how = How::multiply;
+  enum class Shape { uniform, normal, loguniform, choice } shape = Shape::uniform;
+  std::string what;  ///< as in the scene: "robot.*.mass"
+  std::vector<std::string> quantities;  ///< those of the scene that it names: "robot.arm.mass"
+  /// uniform, loguniform: low and high; normal: mean and standard deviation; choice: the values. In
+  /// SI units.
+  std::vector<double> numbers;
+  bool together = false;  ///< one number for all quantities; else one for each
+  SourceSpan origin;
+};
+
+/// A quantity of a model with its drawn value.
+struct DrawnValue {
+  std::string quantity;  ///< "robot.arm.mass"
+  double value = 0.0;    ///< [SI units]; of several axes, shapes or noise terms the first one's
+};
+
 /// A complete scene.
 struct SceneModel {
   std::string name;
@@ -504,6 +531,8 @@ struct SceneModel {
   std::vector<RuleModel> rules;
   std::vector<MeasureModel> measures;
   std::vector<TestModel> tests;
+  std::vector<RandomizeModel> randomize;
+  std::vector<DrawnValue> drawn;     ///< in the model of a run
   std::vector<BodyPair> no_collide;  ///< sorted and unique; without the pairs that joints exclude
   int joint_positions = 0;           ///< length of the flat array of all q
   int joint_speeds = 0;              ///< length of the flat array of all u

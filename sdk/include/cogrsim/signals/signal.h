@@ -29,9 +29,9 @@
 // cogrsim/physics/frame.h describes KIND, SOURCE and SUBJECT.
 //
 // Signals can be added and subtracted (with blanks around + and -), multiplied and divided, with
-// numbers, brackets and the functions abs, sin, cos and exp: `bot.ir.distance - bot.ideal.distance`,
-// `abs(bot.roll)`, `sin(2 rad/s * time)`. The terms
-// of a sum must have the same dimension. A number may have a unit, `bot.x - 20 cm`; otherwise it
+// numbers, pi, brackets and the functions abs, sin, cos and exp:
+// `bot.ir.distance - bot.ideal.distance`, `abs(bot.roll)`, `sin(2 rad/s * time)`. The terms of a sum
+// must have the same dimension. A number may have a unit, `bot.x - 20 cm`; otherwise it
 // has the unit of the other term.
 #pragma once
 

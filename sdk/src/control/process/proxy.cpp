@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "cogrsim/rendering/renderer.h"
 #include "core/index.h"
@@ -75,8 +74,6 @@ void get_contacts(WireReader& in, std::vector<Contact>& contacts) {
     get_vector(in, c.force);
   }
 }
-
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 
@@ -154,7 +151,11 @@ bool ProxyWriter::take_effects(WireReader& in) {
   const auto random = in.take<std::uint64_t>();
   std::vector<double> outputs, targets(devices_.motors.size());
   in.get(outputs);
-  for (double& target : targets) in.get(target);
+  std::vector<char> set(targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    in.get(targets[i]);
+    set[i] = in.take<bool>();
+  }
   struct Switch {
     bool enabled = false, valid = false;
   };
@@ -183,8 +184,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
   access_.outputs = std::move(outputs);
   DevicePort& port = *access_.port;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const int motor = devices_.motors[i];
-    if (!same_bits(port.target(motor), targets[i])) port.set_target(motor, targets[i]);
+    if (set[i]) port.set_target(devices_.motors[i], targets[i]);
   }
   for (std::size_t i = 0; i < switches.size(); ++i) {
     const int sensor = devices_.sensors[i];
@@ -202,6 +202,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
 
 void RemoteDevices::set_target(int motor, double target) {
   motors_[at(motor)].target = clamp_target(*model_, model_->motors[at(motor)], target);
+  motors_[at(motor)].set = true;
 }
 
 void RemoteDevices::enable(int sensor, bool on) {
@@ -267,6 +268,7 @@ void RemoteDevices::take_state(WireReader& in, AssemblyAccess& access) {
     for (double* value : {&motor.target, &motor.effort, &motor.position, &motor.velocity}) {
       in.get(*value);
     }
+    motor.set = false;
   }
   for (std::size_t i = 0; i < devices_.sensors.size(); ++i) take_reading(in, i);
 }
@@ -274,7 +276,10 @@ void RemoteDevices::take_state(WireReader& in, AssemblyAccess& access) {
 void RemoteDevices::put_effects(WireWriter& out, AssemblyAccess& access) {
   out.put(access.random->state());
   out.put(access.outputs);
-  for (const int motor : devices_.motors) out.put(target(motor));
+  for (const int motor : devices_.motors) {
+    out.put(target(motor));
+    out.put(motors_[at(motor)].set);
+  }
   for (const int sensor : devices_.sensors) {
     out.put(reading(sensor).enabled);
     out.put(reading(sensor).valid);

@@ -79,6 +79,7 @@ class RemoteDevices final : public DevicePort {
  private:
   struct MotorCopy {
     double target = 0.0, effort = 0.0, position = 0.0, velocity = 0.0;
+    bool set = false;  ///< by the current call
   };
 
   static std::size_t index(int device) { return static_cast<std::size_t>(device); }

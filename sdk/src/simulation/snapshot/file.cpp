@@ -97,6 +97,7 @@ void put_devices(const Simulation::Impl& from, const WorldState& state, Json& co
     motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
                                     {"target", number(devices.motors[i].target)},
                                     {"integral", number(devices.motors[i].integral)},
+                                    {"follows", devices.motors[i].follows},
                                     {"effort", number(state.motor_efforts[i])}};
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
@@ -167,6 +168,14 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
   if (!supervisors) return tl::unexpected(supervisors.error());
   content["supervisors"] = std::move(*supervisors);
   content["event_system"] = event_state_json(from.model(), from.events.memory);
+  content["forces"] = Json::array();
+  for (const ForceSystem::Applied& it : from.forces.applied())
+    content["forces"].push_back({{"body", it.command.body},
+                                 {"force", vector(it.command.force)},
+                                 {"torque", vector(it.command.torque)},
+                                 {"point", vector(it.command.point)},
+                                 {"in_body", it.command.in_body},
+                                 {"until", number(it.until)}});
   content["sent"] = from.commands.own_count();
   content["changes"] = from.host.model() == from.host.original()
                            ? Json(nullptr)

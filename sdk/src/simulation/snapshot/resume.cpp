@@ -36,6 +36,7 @@ class Resumption {
     hosted("supervisor", content_.at("supervisors"), model.supervisors, to_.supervisors.slots());
     to_.events.update_model(to_.host.model());  // a door that the file lacks is at its start
     event_state_from(content_.at("event_system"), model, to_.events.memory);
+    forces();
     if (!same_seed_) {
       notes_.push_back("the seed differs: the random streams restart");
     }
@@ -161,6 +162,8 @@ class Resumption {
       }
       devices.motors[i].target = clamp_target(model, motor, number_from(saved.at("target")));
       devices.motors[i].integral = number_from(saved.at("integral"));
+      if (saved.contains("follows"))  // not in older files
+        devices.motors[i].follows = saved.at("follows").get<bool>();
       if (saved.contains("effort"))  // not in older files
         before.motor_efforts[i] = number_from(saved.at("effort"));
     }
@@ -266,6 +269,31 @@ class Resumption {
     note_missing(kind, kind + "s", then, names);
   }
 
+  /// Those of commands.
+  void forces() {
+    if (!content_.contains("forces")) return;  // older files
+    std::vector<ForceSystem::Applied> applied;
+    std::vector<std::string> lost;
+    for (const Json& saved : content_.at("forces")) {
+      ForceSystem::Applied it;
+      it.command.body = saved.at("body").get<std::string>();
+      it.body = find_body(to_.model(), it.command.body);
+      if (it.body < 0) {
+        lost.push_back(it.command.body);
+        continue;
+      }
+      it.command.force = vector_from(saved.at("force"));
+      it.command.torque = vector_from(saved.at("torque"));
+      it.command.point = vector_from(saved.at("point"));
+      it.command.in_body = saved.at("in_body").get<bool>();
+      it.until = number_from(saved.at("until"));
+      applied.push_back(std::move(it));
+    }
+    to_.forces.set_applied(std::move(applied));
+    note_elements("is not in the scene any more, and its force ends: body",
+                  "are not in the scene any more, and their forces end: bodies", lost);
+  }
+
   void note_elements(const std::string& one, const std::string& many,
                      const std::vector<std::string>& names) {
     if (!names.empty()) notes_.push_back(listed(one, many, names));
@@ -310,20 +338,22 @@ tl::expected<Resumed, std::vector<Diagnostic>> resume(const SnapshotFile& snapsh
     }
     // If elements were added or removed, the world is created with the elements of the snapshot; a
     // restart creates that of the scene.
-    SceneModelPtr then = scene, original;
+    SceneModelPtr then = scene;
+    std::unique_ptr<Simulation> plain_run;
     if (info.changed) {
-      auto plain_run = Simulation::create(scene, options, loader);
-      if (!plain_run) return Failure(plain_run.error());
-      original = SnapshotAccess::of(**plain_run).host.original();
+      auto plain = Simulation::create(scene, options, loader);
+      if (!plain) return Failure(plain.error());
+      plain_run = std::move(*plain);
       then = with_changes(*scene, content, resumed.notes);
     }
     auto created = Simulation::create(then, options, loader);
     if (!created) return Failure(created.error());
     resumed.simulation = std::move(*created);
     Simulation::Impl& to = SnapshotAccess::of(*resumed.simulation);
-    const std::string signature = scene_signature(original ? *original : *to.host.original());
+    const WorldHost& of_scene = plain_run ? SnapshotAccess::of(*plain_run).host : to.host;
+    const std::string signature = scene_signature(*of_scene.original());
     const bool unchanged = content.at("signature") == signature;
-    if (original) to.host.restart_from(original);
+    if (plain_run) to.host.restart_from(of_scene);
     if (!unchanged) {
       resumed.notes.push_back(
           "the scene is not that of the snapshot: the state is transferred by names of elements");

@@ -11,14 +11,16 @@ struct SimulationSnapshot {
   DeviceManager::Saved devices;
   std::vector<HostedState> controllers, supervisors;
   EventState events;
+  std::vector<ForceSystem::Applied> forces;
   std::vector<Command> sent;  ///< commands of supervisors for the next step boundary
 };
 
 SimulationSnapshotPtr Simulation::save() const {
   const Impl& from = *impl_;
-  return std::make_shared<SimulationSnapshot>(SimulationSnapshot{
-      from.host.save(), from.clock.save(), from.status, from.devices.save(),
-      from.controllers.save(), from.supervisors.save(), from.events.memory, from.commands.save()});
+  return std::make_shared<SimulationSnapshot>(
+      SimulationSnapshot{from.host.save(), from.clock.save(), from.status, from.devices.save(),
+                         from.controllers.save(), from.supervisors.save(), from.events.memory,
+                         from.forces.applied(), from.commands.save()});
 }
 
 Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart_controllers) {
@@ -41,6 +43,7 @@ Result<> Simulation::restore(const SimulationSnapshotPtr& snapshot, bool restart
   to.controllers.restore(snapshot->controllers);
   to.supervisors.restore(snapshot->supervisors);
   to.events.memory = snapshot->events;
+  to.forces.set_applied(snapshot->forces);
   to.ending = false;
   to.events.clear();
   to.commands.restore(snapshot->sent);
