@@ -26,7 +26,7 @@ packages=(
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   libcurl4-openssl-dev libarchive-dev libssl-dev
   python3-dev pybind11-dev python3-numpy
-  catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl
+  catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl liborocos-kdl-dev liburdfdom-dev
   chromium fonts-dejavu-core
 )
 # The packages of each backend.

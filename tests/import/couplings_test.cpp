@@ -110,3 +110,17 @@ TEST_CASE("a long chain of couplings is read in bounded time", "[urdf][hostile]"
   CHECK(in.result.scene.find("<couple joint=\"j1998\" to=\"j1999\"/>") <
         in.result.scene.find("<couple joint=\"j1997\" to=\"j1998\"/>"));
 }
+
+TEST_CASE("a loop with a joint that a coupling moves at the start is left out", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><compiler angle="radian"/><worldbody>
+    <body name="a"><freejoint/><geom size="0.1"/>
+      <body name="b"><joint name="hip" axis="0 0 1"/><geom size="0.1"/></body></body>
+    <body name="c"><joint name="x" type="slide" axis="1 0 0"/><geom size="0.1"/></body></worldbody>
+    <equality><connect name="loop" body1="b" body2="c" anchor="0 0 0"/><weld name="held" body1="a"/>
+      <joint joint1="hip" joint2="x" polycoef="1 2"/></equality></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "loop 'loop'", "coupling"));
+  CHECK(in.joint("held").type == JointType::fixed);
+}

@@ -179,3 +179,63 @@ TEST_CASE("files outside the model's folder are not read", "[hostile]") {
   in.read("<mujoco>\n<include file=\"link.xml\"/></mujoco>", "robot/m.xml");
   CHECK(in.refuses("CG1412", "lies outside", 2));
 }
+
+TEST_CASE("models of SDF that include each other are refused", "[hostile]") {
+  Imported in;
+  const std::string include = "<include><uri>m.sdf</uri></include>";
+  in.read("<sdf version=\"1.9\"><model name=\"m\">" + include + include + "</model></sdf>",
+          "m.sdf");
+  CHECK(in.refuses("CG1402", "circle"));
+}
+
+TEST_CASE("a mesh of a gigabyte is not read", "[hostile]") {
+  Imported in;
+  in.folder.write("big.stl", std::string(84, '\0'));
+  std::filesystem::resize_file(in.folder / "big.stl", std::uintmax_t{1} << 30);
+  in.read(
+      "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" "
+      "izz=\"1\"/></inertial><collision><geometry><mesh filename=\"big.stl\"/></geometry>"
+      "</collision></link></robot>");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "mesh 'big.stl'", "big.stl"));
+}
+
+TEST_CASE("names of meshes and models lead to no file outside", "[hostile]") {
+  Imported in;
+  const std::string tetrahedron =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const std::string outside = in.folder.write("parts/t.obj", tetrahedron);
+  in.folder.write(".hidden/t.obj", tetrahedron);
+  in.folder.write("robot/.hidden/t.obj", tetrahedron);
+  const auto robot = [](const std::string& file) {
+    return "<robot name=\"r\">\n<link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+           "iyy=\"1\" izz=\"1\"/></inertial><collision><geometry><mesh filename=\"" +
+           file + "\"/></geometry></collision></link></robot>";
+  };
+  for (const std::string& name :
+       {std::string("../parts/t.obj"), outside, "file://" + outside,
+        std::string("package://.hidden/t.obj"), std::string("package://robot/.hidden/t.obj"),
+        std::string("package://robot/../parts/t.obj")}) {
+    INFO(name);
+    in.read(robot(name), "robot/r.urdf");
+    CHECK(in.reports(kLeftOut, "mesh '" + name + "'"));
+    CHECK(in.model->meshes.empty());
+  }
+  in.options.packages = {{"any", (in.folder / "parts")}};
+  in.read(robot("package://any/t.obj"), "robot/r.urdf");
+  REQUIRE(in.model);
+  CHECK(in.model->meshes.size() == 1);
+  in.options.packages.clear();
+
+  in.folder.write("secret.sdf",
+                  "<sdf version=\"1.9\"><model name=\"s\"><link name=\"l\"/></model></sdf>");
+  in.read(
+      "<sdf version=\"1.9\"><model name=\"m\"><link name=\"own\"/><include><uri>../secret.sdf</uri>"
+      "</include></model></sdf>",
+      "robot/m.sdf");
+  CHECK(in.reports(kLeftOut, "include '../secret.sdf'", "lies outside"));
+  in.folder.write("secret.xacro", kHead + "</robot>");
+  in.read(kHead + "<xacro:include filename=\"../secret.xacro\"/></robot>", "robot/r.urdf");
+  CHECK(in.refuses("CG1411", "lies outside", 2));
+}

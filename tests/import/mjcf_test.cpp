@@ -78,3 +78,16 @@ TEST_CASE("a class that is not there is refused with the nearest", "[mjcf]") {
       "m.xml");
   CHECK(in.refuses("CG1408", "did you mean 'leg'?", 2));
 }
+
+TEST_CASE("a ball joint of MJCF has its passive efforts", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody><body name="b"><joint name="s" type="ball" damping="0.1"
+      stiffness="2" frictionloss="0.3" armature="0.02"/><geom size="0.1"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  const JointAxis& axis = in.joint("s").axes.at(0);
+  CHECK(axis.damping == 0.1);
+  CHECK(axis.stiffness == 2.0);
+  CHECK(axis.friction == 0.3);
+  CHECK(axis.rotor_inertia == 0.02);
+}

@@ -31,3 +31,26 @@ TEST_CASE("a model of SDF with frames and joints", "[sdf]") {
   CHECK((axis_W - Vec3(-1, 0, 0)).norm() < 1e-9);
   CHECK(in.reports(kLeftOut, "plugin 'libx.so'"));
 }
+
+TEST_CASE("a link of SDF without a name is refused at its line", "[sdf]") {
+  Imported in;
+  in.read("<sdf version=\"1.9\"><model name=\"m\">\n<link/></model></sdf>", "m.sdf");
+  CHECK(in.refuses("CG1404", "without a name", 2));
+}
+
+TEST_CASE("joints of SDF in a circle are a joint and a loop", "[sdf]") {
+  Imported in;
+  const auto circle = [](const std::string& last) {
+    return "<sdf version=\"1.9\"><model name=\"m\"><link name=\"a\"/><link name=\"b\"/>\n"
+           "<joint name=\"j\" type=\"ball\"><parent>a</parent><child>b</child></joint>\n"
+           "<joint name=\"k\" type=\"ball\"><parent>" +
+           last + "</parent><child>a</child></joint></model></sdf>";
+  };
+  in.read(circle("b"), "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.model->bodies.size() == 2);
+  CHECK_FALSE(in.joint("j").closes_loop);
+  CHECK(in.joint("k").closes_loop);
+  in.read(circle("a"), "m.sdf");
+  CHECK(in.refuses("CG1410", "to itself", 3));
+}

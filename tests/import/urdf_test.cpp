@@ -217,3 +217,31 @@ TEST_CASE("robots with the usual faults of XML are read", "[urdf]") {
   REQUIRE(in.model);
   CHECK(in.result.entries.at(0).line == 3);
 }
+
+TEST_CASE("a robot of a name that the scene has gets another", "[urdf]") {
+  Imported in;
+  const std::string name = GENERATE("world", "floor");
+  in.options.floor = true;
+  const std::string path = in.folder.write(
+      "r.urdf", "<robot name=\"" + name +
+                    "\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+                    "iyy=\"1\" izz=\"1\"/></inertial></link></robot>");
+  const dsl::ImportResult result = dsl::import_model(path, in.options);
+  const dsl::CompileResult compiled = dsl::compile_text(result.scene, in.folder / "r.scene.xml");
+  INFO(result.scene);
+  INFO(dsl::to_text(compiled.diagnostics));
+  CHECK(compiled.ok());
+}
+
+TEST_CASE("a floating joint below a link is no joint", "[urdf]") {
+  Imported in;
+  in.read(R"(<robot name="r"><link name="world"/>
+    <link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <joint name="f" type="floating"><parent link="world"/><child link="a"/><origin xyz="1 0 0"/></joint>
+    </robot>)");
+  REQUIRE(in.model);
+  CHECK(in.model->joints.empty());
+  const Body& a = in.body("a");
+  CHECK(a.kind == BodyKind::dynamic);
+  CHECK(a.X_WB.p.x() == 1.0);
+}

@@ -151,7 +151,7 @@ std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source
 Result<std::string> Context::package(const std::string& name) {
   const auto known = packages_.find(name);
   if (known != packages_.end()) return known->second;
-  if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+  if (name.empty() || name.find('/') != std::string::npos || name.front() == '.')
     return fail("'" + name + "' is not the name of a package");
   const auto take = [&](const fs::path& folder) {
     std::error_code fault;
@@ -210,7 +210,7 @@ bool Context::allowed(const std::string& path) const {
 
 Result<std::string> Context::locate(const std::string& href, const Source& from) {
   if (href.size() > 4096) return fail("the name of a file is longer than 4096 characters");
-  std::string path;
+  std::string path, in_package;
   const auto starts = [&](std::string_view with) {
     return href.compare(0, with.size(), with) == 0;
   };
@@ -221,6 +221,7 @@ Result<std::string> Context::locate(const std::string& href, const Source& from)
     auto folder = package(href.substr(begin, slash - begin));
     if (!folder) return tl::unexpected(folder.error());
     path = *folder + href.substr(slash);
+    in_package = *folder;
   } else if (starts("file://")) {
     path = href.substr(7);
   } else if (href.find("://") != std::string::npos) {
@@ -238,7 +239,13 @@ Result<std::string> Context::locate(const std::string& href, const Source& from)
     const std::string beside = canonical((fs::path(folder_) / href).string());
     if (fs::is_regular_file(beside, fault)) found = beside;
   }
-  if (found.empty() || !allowed(found))
+  // A package found by its name alone may be any folder above: what is hidden there is no part of it.
+  const auto hidden = [](const fs::path& part) {
+    return part.native().front() == '.' && part != ".." && part != ".";
+  };
+  const fs::path inside =
+      in_package.empty() ? fs::path() : fs::path(found).lexically_relative(in_package);
+  if (found.empty() || !allowed(found) || std::any_of(inside.begin(), inside.end(), hidden))
     return fail("'" + href + "' lies outside of the model's folder and its packages", "",
                 "allow its folder with --package NAME=DIR, or copy the file beside the model");
   if (!fs::is_regular_file(found, fault)) return fail("there is no file '" + href + "'");

@@ -70,6 +70,8 @@ void MjcfReader::compiler(const XmlElement& e) {
       mesh_dir_ = value;
     else if (key == "autolimits")
       auto_limits_ = value != "false";
+    else if (key == "exactmeshinertia")
+      exact_meshes_ = value == "true";
     else if (key == "boundmass")
       bound_mass_ = context_.number(e, "boundmass", 0.0);
     else if (key == "boundinertia")

@@ -102,7 +102,10 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
     RobotShape shape;
     RobotInertia inertia;
     const bool made = geom(c, g, shape, &inertia);
-    if (inertia.mass > 0.0) parts.masses.push_back(inertia);
+    if (inertia.mass > 0.0) {
+      parts.masses.push_back(inertia);
+      if (shape.geometry.type == Geometry::Type::mesh) parts.mesh = &c;
+    }
     if (made) link.shapes.push_back(std::move(shape));
   } else if (c.name == "site") {
     const Pose X = pose(with_defaults(c, around));
@@ -139,6 +142,11 @@ std::optional<RobotInertia> MjcfReader::inertia_of(const BodyParts& parts) {
     out = given_inertia(*parts.inertial);
   else if (!parts.masses.empty() && from_geoms_ != "false")
     out = sum(parts.masses);
+  if (out && parts.mesh != nullptr && !exact_meshes_ &&
+      (parts.inertial == nullptr || from_geoms_ == "true"))
+    context_.approximate(parts.mesh->at, fmt::format("mass of body '{}'", parts.link.name),
+                         "is by the volume of its meshes; without exactmeshinertia MuJoCo counts "
+                         "parts of some twice");
   if (!out) return out;
   out->mass = std::max(out->mass, bound_mass_);
   if (bound_inertia_ > 0.0)

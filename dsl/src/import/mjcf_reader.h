@@ -37,6 +37,7 @@ class MjcfReader {
     std::vector<std::pair<const XmlElement*, XmlElement>> joints;  ///< as written, with defaults
     std::vector<RobotInertia> masses;                              ///< of its geoms
     const XmlElement* inertial = nullptr;
+    const XmlElement* mesh = nullptr;  ///< a geom among those of `masses`
     bool is_free = false;
   };
 
@@ -107,7 +108,7 @@ class MjcfReader {
   std::map<std::string, std::pair<std::string, Pose>> sites_;  // link and pose
   std::set<std::string> encoders_, at_site_, used_joints_;
   std::vector<Bits> bits_;
-  bool degrees_ = true, auto_limits_ = true;
+  bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false;
   std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";
   double bound_mass_ = 0.0, bound_inertia_ = 0.0, total_mass_ = -1.0;
   double first_group_ = 0.0, last_group_ = 5.0;

@@ -215,7 +215,9 @@ class SdfReader {
     std::vector<const XmlElement*> links, joints;
     for (const auto& c : e.children) {
       const std::string name = c->find("name") == nullptr ? "" : *c->find("name");
-      if (c->name == "link") {
+      if (c->name == "link" && name.empty()) {
+        context_.error(c->at, "CG1404", "a <link> without a name");
+      } else if (c->name == "link") {
         poses[name] = {relative_to(*c), pose(*c), false, false, {}};
         links.push_back(c.get());
       } else if (c->name == "frame") {
@@ -249,10 +251,6 @@ class SdfReader {
 
   void link(const XmlElement& e, const std::string& scope, const Pose& X_W, bool is_static) {
     RobotLink out;
-    if (e.find("name") == nullptr) {
-      context_.error(e.at, "CG1404", "a <link> without a name");
-      return;
-    }
     out.name = scope + *e.find("name");
     out.at = e.at;
     out.X = X_W;
@@ -466,6 +464,11 @@ class SdfReader {
                                  *name, parent, child));
       return;
     }
+    if (out.child == out.parent) {
+      context_.error(e.at, "CG1410",
+                     fmt::format("joint '{}' connects '{}' to itself", *name, child));
+      return;
+    }
     const Pose X_WC = robot_.links[static_cast<std::size_t>(out.child)].X;
     const Pose X_WP =
         out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
@@ -496,14 +499,15 @@ class SdfReader {
                            "check the sign of its pitch: versions of SDF differ");
     }
     if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
-    const bool has_carrier = std::any_of(robot_.joints.begin(), robot_.joints.end(),
-                                         [&](const RobotJoint& j) { return j.child == out.child; });
     context_.exact(e.at, quoted_name(e));
-    // A second joint on a link closes a loop.
-    if (has_carrier)
-      robot_.loops.push_back(std::move(out));
-    else
-      robot_.joints.push_back(std::move(out));
+    // A second joint on a link closes a loop, and one on a link that its parent hangs on.
+    carrier_.resize(robot_.links.size(), kNoLink);
+    int& carrier = carrier_[static_cast<std::size_t>(out.child)];
+    bool closes = carrier != kNoLink;
+    for (int up = out.parent; up >= 0 && !closes; up = carrier_[static_cast<std::size_t>(up)])
+      closes = up == out.child;
+    if (!closes) carrier = out.parent;
+    (closes ? robot_.loops : robot_.joints).push_back(std::move(out));
   }
 
   /// Limits, damping, friction, spring and coupling of the axis of a hinge or slider.
@@ -537,6 +541,8 @@ class SdfReader {
   Context& context_;
   RobotModel robot_;
   std::vector<std::unique_ptr<XmlElement>> kept_;
+  static constexpr int kNoLink = -2;
+  std::vector<int> carrier_;  ///< of each link: the link that its joint hangs on, or the world (-1)
   int models_ = 0;
 };
 

@@ -60,6 +60,8 @@ class SceneWriter {
 
   void write() {
     find_couplings();
+    inboard_.assign(robot_.links.size(), nullptr);
+    for (const RobotJoint& j : robot_.joints) inboard_[static_cast<std::size_t>(j.child)] = &j;
     poses_ = find_poses(false);
     zero_poses_ = find_poses(true);
     std::string body;
@@ -80,6 +82,7 @@ class SceneWriter {
       if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
     if (!is_letter(name.front())) name.insert(0, "_");
     name.resize(std::min<std::size_t>(name.size(), 60));
+    if (name == "world" || name == "floor") name += "_model";  // names that the scene has
     std::string type = name;
     if (type.front() >= 'a' && type.front() <= 'z')
       type.front() = static_cast<char>(type.front() - 'a' + 'A');
@@ -120,7 +123,24 @@ class SceneWriter {
 
   /// Whether a loop is closed where the robot starts: a loop is defined at the joints' zeros, which
   /// limits may exclude.
+  /// The joint nearest above a link that a coupling moves at the start, or null.
+  const RobotJoint* coupled_above(int link) const {
+    while (link >= 0) {
+      const RobotJoint* const j = inboard_[static_cast<std::size_t>(link)];
+      if (j == nullptr) return nullptr;
+      const auto start = coupled_starts_.find(j);
+      if (start != coupled_starts_.end() && start->second != 0.0) return j;
+      link = j->parent;
+    }
+    return nullptr;
+  }
+
   bool closes(const RobotJoint& j) {
+    if (!coupled_starts_.empty() && coupled_above(j.parent) != coupled_above(j.child)) {
+      context_.left_out(j.at, fmt::format("loop '{}'", j.name),
+                        "a coupling with an offset moves a joint of it at the start");
+      return false;
+    }
     if (j.parent < 0) return true;
     const auto parent = static_cast<std::size_t>(j.parent),
                child = static_cast<std::size_t>(j.child);
@@ -147,8 +167,7 @@ class SceneWriter {
         const auto child = static_cast<std::size_t>(j.child);
         if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
         const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
-        out[child] = parent * j.X_PC *
-                     travel(j, at_zero ? 0.0 : start_in_scene(j));
+        out[child] = parent * j.X_PC * travel(j, at_zero ? 0.0 : start_in_scene(j));
         known[child] = true;
         moved = true;
       }
@@ -433,10 +452,21 @@ class SceneWriter {
                     read_bytes(path, options.limits.asset_bytes));
   }
 
+  static void passive(const RobotJoint& j, bool slides, std::string& out) {
+    const char* effort = slides ? "N" : "N*m";
+    if (j.damping > 0.0)
+      out += fmt::format(" damping=\"{} {}\"", j.damping, slides ? "N*s/m" : "N*m*s/rad");
+    if (j.friction > 0.0) out += fmt::format(" friction=\"{} {}\"", j.friction, effort);
+    if (j.stiffness <= 0.0) return;
+    out += fmt::format(" stiffness=\"{} {}\"", j.stiffness, slides ? "N/m" : "N*m/rad");
+    if (j.rest != 0.0 && j.type != RobotJoint::Type::ball)
+      out += fmt::format(" rest=\"{} {}\"", j.rest, slides ? "m" : "rad");
+  }
+
   void joint(const RobotJoint& j) {
     using Type = RobotJoint::Type;
     std::string& out = *body_;
-    if (j.type == Type::free && j.parent < 0) return;  // as every body of a scene
+    if (j.type == Type::free) return;  // as every body of a scene
     const char* tag = "";
     switch (j.type) {
       case Type::fixed:
@@ -455,7 +485,6 @@ class SceneWriter {
         tag = "planar";
         break;
       case Type::free:
-        tag = "free";
         break;
       case Type::universal:
         tag = "universal";
@@ -484,13 +513,7 @@ class SceneWriter {
       const char* effort = turns ? "N*m" : "N";
       if (std::isfinite(j.lower)) out += fmt::format(" lower=\"{} {}\"", j.lower, unit);
       if (std::isfinite(j.upper)) out += fmt::format(" upper=\"{} {}\"", j.upper, unit);
-      if (j.damping > 0.0)
-        out += fmt::format(" damping=\"{} {}\"", j.damping, turns ? "N*m*s/rad" : "N*s/m");
-      if (j.friction > 0.0) out += fmt::format(" friction=\"{} {}\"", j.friction, effort);
-      if (j.stiffness > 0.0) {
-        out += fmt::format(" stiffness=\"{} {}\"", j.stiffness, turns ? "N*m/rad" : "N/m");
-        if (j.rest != 0.0) out += fmt::format(" rest=\"{} {}\"", j.rest, unit);
-      }
+      passive(j, slides, out);
       if (std::isfinite(j.max_effort))
         out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
       if (std::isfinite(j.max_speed))
@@ -502,8 +525,8 @@ class SceneWriter {
           context_.approximate(j.at, fmt::format("joint '{}'", j.name),
                                fmt::format("zero lies beyond its limits: it starts at {}", start));
       }
-    } else if (j.damping > 0.0 && j.type == Type::ball) {
-      out += fmt::format(" damping=\"{} N*m*s/rad\"", j.damping);
+    } else if (j.type == Type::ball) {
+      passive(j, false, out);
     }
     if (j.rotor_inertia > 0.0 && (turns || slides || j.type == Type::ball))
       out += fmt::format(" rotor-inertia=\"{} {}\"", j.rotor_inertia, slides ? "kg" : "kg*m^2");
@@ -675,9 +698,10 @@ class SceneWriter {
   Context& context_;
   const RobotModel& robot_;
   std::string* body_ = nullptr;
-  std::map<const RobotJoint*, double> coupled_starts_;    // of joints that follow others
-  std::map<const RobotJoint*, std::string> uncoupled_;    // whose coupling is left out, and why
-  std::vector<const RobotJoint*> coupled_;  // a joint before those that follow it
+  std::map<const RobotJoint*, double> coupled_starts_;  // of joints that follow others
+  std::map<const RobotJoint*, std::string> uncoupled_;  // whose coupling is left out, and why
+  std::vector<const RobotJoint*> coupled_;              // a joint before those that follow it
+  std::vector<const RobotJoint*> inboard_;              // of each link
   std::vector<Pose> poses_, zero_poses_;
   Bounds extent_;
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out

@@ -132,9 +132,22 @@ inline void place_across(const Joint& joint, bool forward, WorldState& state) {
 
 }  // namespace detail
 
-/// Computes the poses and twists of all bodies in trees of joints from the joint coordinates in
-/// `state`. Each tree starts at its immobile bodies or, if it floats, at its first body.
-inline void place_by_joints(const SceneModel& model, WorldState& state) {
+/// A joint of a tree, passed from the body nearer to the tree's start to the other one: to its child
+/// if `forward`, otherwise to its parent.
+struct TreeJoint {
+  int joint = -1;
+  bool forward = true;
+};
+
+/// The trees of joints of a scene. Each starts at its immobile bodies or, if it floats, at its first
+/// body. Removed joints and those that close a loop are in none.
+struct JointTrees {
+  std::vector<int> floating;      ///< first bodies of those that float
+  std::vector<TreeJoint> joints;  ///< each after those between it and the start
+};
+
+inline JointTrees joint_trees(const SceneModel& model) {
+  JointTrees out;
   std::vector<char> placed;
   for (const Body& body : model.bodies) {
     placed.push_back(body.removed || body.kind != BodyKind::dynamic);
@@ -143,16 +156,27 @@ inline void place_by_joints(const SceneModel& model, WorldState& state) {
   for (std::size_t start = 0; start <= placed.size(); ++start) {
     for (bool found = true; found;) {
       found = false;
-      for (const Joint& joint : model.joints) {
+      for (std::size_t j = 0; j < model.joints.size(); ++j) {
+        const Joint& joint = model.joints[j];
         const bool forward = is_placed(joint.parent);
         if (joint.removed || joint.closes_loop || forward == is_placed(joint.child)) continue;
-        detail::place_across(joint, forward, state);
+        out.joints.push_back({static_cast<int>(j), forward});
         placed[static_cast<std::size_t>(forward ? joint.child : joint.parent)] = 1;
         found = true;
       }
     }
-    if (start < placed.size()) placed[start] = 1;
+    if (start == placed.size() || placed[start]) continue;
+    placed[start] = 1;
+    out.floating.push_back(static_cast<int>(start));
   }
+  return out;
+}
+
+/// Computes the poses and twists of all bodies in trees of joints from the joint coordinates in
+/// `state`, and from the motions of the bodies where the trees start.
+inline void place_by_joints(const SceneModel& model, WorldState& state) {
+  for (const TreeJoint& t : joint_trees(model).joints)
+    detail::place_across(model.joints[static_cast<std::size_t>(t.joint)], t.forward, state);
 }
 
 }  // namespace cogrsim
