@@ -25,6 +25,9 @@ std::vector<AxisKind> axis_kinds() {
       {"planar 1 (y)", JointType::planar, 1, false},
       {"planar 2 (angle)", JointType::planar, 2, true},
       {"ball", JointType::ball, 0, true},
+      {"gimbal 0", JointType::gimbal, 0, true},
+      {"gimbal 1", JointType::gimbal, 1, true},
+      {"gimbal 2", JointType::gimbal, 2, true},
   };
 }
 

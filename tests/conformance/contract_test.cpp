@@ -7,7 +7,8 @@ namespace {
 
 constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
                                  JointType::screw,  JointType::cylindrical, JointType::universal,
-                                 JointType::planar, JointType::ball,        JointType::free};
+                                 JointType::planar, JointType::ball,        JointType::free,
+                                 JointType::gimbal};
 constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeType::cylinder,
                                  ShapeType::capsule, ShapeType::plane,    ShapeType::convex_mesh,
                                  ShapeType::mesh,    ShapeType::heightmap};

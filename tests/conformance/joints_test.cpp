@@ -96,6 +96,36 @@ TEST_CASE("universal joint turns about both axes at once", "[joints]") {
           2.0 * first * first * kDt);
 }
 
+TEST_CASE("gimbal turns about all three axes at once", "[joints]") {
+  // A body with equal moments turns about a fixed direction at a constant rate. The angles of that
+  // rotation pass neither a right angle of the second nor half a turn.
+  const double t = 1.0;
+  const Vec3 start(0.5, 0.3, -0.4), w(0.5, -0.9, 0.4);
+  Joint gimbal;
+  gimbal.type = JointType::gimbal;
+  const Quat before = joint_pose(gimbal, start.data()).q;
+  Vec3 u;
+  joint_velocity(gimbal, {Vec3::Zero(), before}, {Vec3::Zero(), w}, start.data(), u.data());
+  ModelBuilder builder;
+  builder.model.physics.gravity = Vec3::Zero();
+  add_lump(builder, Pose(Vec3::Zero(), before));
+  const int joint = builder.joint("joint", JointType::gimbal, kWorld, 0, Pose());
+  builder.model.joints[0].X_CM.q = Quat(1, 0, 0, 0);
+  builder.model.bodies[0].V_WB.angular = w;
+  builder.model.joints[0].position = {start[0], start[1], start[2]};
+  builder.model.joints[0].velocity = {u[0], u[1], u[2]};
+  Sim sim(builder);
+  sim.run(t);
+  const Quat expected = turn(w, w.norm() * t) * before;
+  Vec3 q;
+  joint_position(gimbal, {Vec3::Zero(), expected}, start.data(), q.data());
+  // As above, times the largest rate of an angle over that of the body: 1 / cos of the second.
+  const double tolerance = 2.0 * w.squaredNorm() * kDt / std::cos(0.7);
+  for (int i = 0; i < 3; ++i)
+    measure("angle error [rad]", std::abs(sim.q(joint, i) - q[i]), tolerance);
+  measure("orientation error [rad]", angle_between(sim.pose(0).q, expected), tolerance);
+}
+
 TEST_CASE("ball joint: torque-free precession", "[joints]") {
   // A symmetric top of moments A, A, C: the body's axis goes round the angular momentum L at
   // |L| / A, and its spin stays.

@@ -52,6 +52,9 @@ TEST_CASE("limit: cylindrical 0 (angle)", "[limits]") { both_sides(JointType::cy
 TEST_CASE("limit: cylindrical 1 (travel)", "[limits]") { both_sides(JointType::cylindrical, 1); }
 TEST_CASE("limit: universal 0", "[limits]") { both_sides(JointType::universal, 0); }
 TEST_CASE("limit: universal 1", "[limits]") { both_sides(JointType::universal, 1); }
+TEST_CASE("limit: gimbal 0", "[limits]") { both_sides(JointType::gimbal, 0); }
+TEST_CASE("limit: gimbal 1", "[limits]") { both_sides(JointType::gimbal, 1); }
+TEST_CASE("limit: gimbal 2", "[limits]") { both_sides(JointType::gimbal, 2); }
 TEST_CASE("limit: planar 0 (x)", "[limits]") { both_sides(JointType::planar, 0); }
 TEST_CASE("limit: planar 1 (y)", "[limits]") { both_sides(JointType::planar, 1); }
 TEST_CASE("limit: planar 2 (angle)", "[limits]") { both_sides(JointType::planar, 2); }

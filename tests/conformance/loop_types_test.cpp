@@ -20,6 +20,7 @@ void four_bar_closed_by(JointType closing) {
 TEST_CASE("loop closed by a ball", "[loop]") { four_bar_closed_by(JointType::ball); }
 TEST_CASE("loop closed by a cylindrical", "[loop]") { four_bar_closed_by(JointType::cylindrical); }
 TEST_CASE("loop closed by a universal", "[loop]") { four_bar_closed_by(JointType::universal); }
+TEST_CASE("loop closed by a gimbal", "[loop]") { four_bar_closed_by(JointType::gimbal); }
 
 // Crank, rod and a piston on rails: x = r cos a + sqrt(l^2 - r^2 sin^2 a). The loop is closed by
 // the piston's rails or by its pin.

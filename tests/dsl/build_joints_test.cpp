@@ -92,6 +92,9 @@ TEST_CASE("each joint type has the axes and coordinates the model promises", "[d
     <box name="c" size="1 1 1" xyz="4 0 0"/> <box name="d" size="1 1 1" xyz="6 0 0"/>
     <box name="e" size="1 1 1" xyz="8 0 0"/> <box name="f" size="1 1 1" xyz="10 0 0"/>
     <box name="g" size="1 1 1" xyz="12 0 0"/> <box name="h" size="1 1 1" xyz="14 0 0"/>
+    <box name="i" size="1 1 1" xyz="16 0 0"/>
+    <gimbal name="gimbal" child="i" axis="0 0 1" axis2="1 0 0" lower="none -80 -40 deg"
+            position="10 20 30 deg"/>
     <ball name="ball" child="a" upper="60 deg" damping="0.1 N*m*s/rad"/>
     <universal name="universal" child="b" axis="0 0 1" axis2="1 0 0"/>
     <fixed name="fixed" child="c"/>
@@ -112,7 +115,12 @@ TEST_CASE("each joint type has the axes and coordinates the model promises", "[d
   CHECK(joint(*model, "screw").pitch == 0.005);
   CHECK(joint(*model, "free").position.at(3) == 1.0);
   CHECK(joint(*model, "slider").axes.at(0).max_effort == 20.0);
-  CHECK(model->joint_speeds == 3 + 2 + 0 + 2 + 3 + 1 + 6 + 1);
+  const Joint& gimbal = joint(*model, "gimbal");
+  CHECK(near(gimbal.X_PF.q * Vec3::UnitX(), {0, 0, 1}));
+  CHECK(near(gimbal.X_PF.q * Vec3::UnitZ(), {0, 1, 0}));
+  CHECK(gimbal.axes.at(2).lower == Approx(-40 * M_PI / 180));
+  CHECK(gimbal.position.at(1) == Approx(M_PI / 9));
+  CHECK(model->joint_speeds == 3 + 2 + 0 + 2 + 3 + 1 + 6 + 1 + 3);
 }
 
 TEST_CASE("motors and servos take limits, gains and targets in their joint's units",
@@ -141,10 +149,11 @@ TEST_CASE("a target over time is a signal in the unit of the target", "[dsl][mot
     <motor name="m" joint="h" target-signal="sin(2 * pi * time / 1 s) * 30 deg/s + h.velocity"/>
     <servo name="lift" joint="s" kp="200 N/m" target-signal="0.1 m * h.position / 1 rad"/>
     </assembly>)");
-  CHECK(model->motors[0].target_signal ==
-        "sin(2 * pi * time / 1 s) * 30 deg/s + bot.h.velocity");
+  CHECK(model->motors[0].target_signal == "sin(2 * pi * time / 1 s) * 30 deg/s + bot.h.velocity");
   CHECK(model->motors[1].target_signal == "0.1 m * bot.h.position / 1 rad");
-  const auto codes = [&](const std::string& motor) { return codes_of(parts + motor + "</assembly>"); };
+  const auto codes = [&](const std::string& motor) {
+    return codes_of(parts + motor + "</assembly>");
+  };
   CHECK(codes("<motor joint=\"h\" target-signal=\"sin(2 rad/s * time)\"/>") == "CG1201");
   CHECK(codes("<motor joint=\"h\" target-signal=\"1 m * sin(2 rad/s * time)\"/>") == "CG1201");
   CHECK(codes("<motor joint=\"h\" target-signal=\"c.x * 1 rad/s\"/>") == "CG1201");

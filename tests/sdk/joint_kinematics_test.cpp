@@ -21,7 +21,7 @@ Joint make_joint(JointType type) {
 JointType any_type() {
   return GENERATE(JointType::fixed, JointType::hinge, JointType::slider, JointType::screw,
                   JointType::cylindrical, JointType::universal, JointType::planar, JointType::ball,
-                  JointType::free);
+                  JointType::free, JointType::gimbal);
 }
 
 /// Index of the quaternion among the coordinates; -1: none.
@@ -128,6 +128,28 @@ TEST_CASE("a universal joint turns about F's x, then about M's y", "[joint]") {
   // After a quarter turn about x, M's y axis is F's z axis whatever the second angle is.
   CHECK((X_FM.q * Vec3::UnitY() - Vec3::UnitZ()).norm() < 1e-14);
   CHECK((X_FM.q * Vec3::UnitX() - Vec3(std::cos(0.3), std::sin(0.3), 0)).norm() < 1e-14);
+}
+
+TEST_CASE("a gimbal turns about x, the turned y and the twice turned z", "[joint]") {
+  const Joint joint = make_joint(JointType::gimbal);
+  const double q[3] = {0.4, -0.7, 1.1};
+  Mat3 x, y, z;
+  x << 1, 0, 0, 0, std::cos(0.4), -std::sin(0.4), 0, std::sin(0.4), std::cos(0.4);
+  y << std::cos(0.7), 0, -std::sin(0.7), 0, 1, 0, std::sin(0.7), 0, std::cos(0.7);
+  z << std::cos(1.1), -std::sin(1.1), 0, std::sin(1.1), std::cos(1.1), 0, 0, 0, 1;
+  CHECK((joint_pose(joint, q).q.toRotationMatrix() - x * y * z).norm() < 1e-14);
+  // Without a past the second angle is within a quarter turn.
+  const double beyond[3] = {0.4, 2.0, 1.1};
+  double found[3];
+  joint_position(joint, joint_pose(joint, beyond), nullptr, found);
+  CHECK(found[1] == Approx(kPi - 2.0));
+  CHECK(found[0] == Approx(0.4 - kPi));
+  CHECK(found[2] == Approx(1.1 - kPi));
+  // Where it is singular, the first angle is the previous one.
+  const double up[3] = {0.4, 0.5 * kPi, 0.3}, before[3] = {0.2, 1.5, 0.5};
+  joint_position(joint, joint_pose(joint, up), before, found);
+  CHECK(found[0] == 0.2);
+  CHECK(found[2] == Approx(0.5));
 }
 
 TEST_CASE("a screw advances by its pitch in a turn", "[joint]") {

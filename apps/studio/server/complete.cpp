@@ -280,7 +280,7 @@ class Completer {
     static const std::map<std::string, std::set<std::string>> kTags = {
         {"material", {"material"}},
         {"joint",
-         {"hinge", "slider", "ball", "universal", "fixed", "cylindrical", "planar", "screw",
+         {"hinge", "slider", "ball", "universal", "gimbal", "fixed", "cylindrical", "planar", "screw",
           "free"}},
         {"prototype", {"prototype"}},
         {"template", {"template"}},

@@ -37,7 +37,7 @@ Capabilities make_capabilities() {
   set_joint_features(out);
   for (const JointType type : kJointTypes) {
     const std::string name = to_string(type);
-    if (type == JointType::free || type == JointType::screw) continue;
+    if (type == JointType::free || type == JointType::screw || type == JointType::gimbal) continue;
     out.set(
         "joint." + name, Support::approximate,
         "held by sweeps of impulses: the joints of a chain of 30 gape by 0.6 mm, 9 mm where 1 kg "
@@ -54,6 +54,8 @@ Capabilities make_capabilities() {
                               "joint.friction.", "joint.stiffness."}) {
     out.set(std::string(feature) + "screw", Support::unsupported,
             "Bullet has no screw: no constraint of its own couples turning and sliding");
+    out.set(std::string(feature) + "gimbal", Support::unsupported,
+            "three hinges with light bodies between them do the same");
   }
   for (const char* feature :
        {"joint.damping.ball", "joint.friction.ball", "joint.stiffness.ball"}) {

@@ -19,7 +19,8 @@ constexpr ShapeType kShapes[] = {ShapeType::box,     ShapeType::sphere,   ShapeT
                                  ShapeType::mesh,    ShapeType::heightmap};
 constexpr JointType kJoints[] = {JointType::fixed,  JointType::hinge,       JointType::slider,
                                  JointType::screw,  JointType::cylindrical, JointType::universal,
-                                 JointType::planar, JointType::ball,        JointType::free};
+                                 JointType::planar, JointType::ball,        JointType::free,
+                                 JointType::gimbal};
 
 bool is_open(ShapeType type) {
   return type == ShapeType::plane || type == ShapeType::mesh || type == ShapeType::heightmap;

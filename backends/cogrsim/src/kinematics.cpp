@@ -40,12 +40,18 @@ Placement moved_along_axis(const Mounting& mounting, const Placement& X_WI, cons
   return X_WO;
 }
 
-// Rates of the joint's twist in F at constant speeds, M's origin as it goes. Only the second axis of a
-// universal joint turns in F.
+// Rates of the joint's twist in F at constant speeds, M's origin as it goes. Only the later axes of a
+// universal joint and of a gimbal turn in F.
 Twist twist_rate(const Joint& joint, const double* q, const double* u) {
   Twist out;
-  if (joint.type == JointType::universal)
+  const bool gimbal = joint.type == JointType::gimbal;
+  if (gimbal || joint.type == JointType::universal)
     out.angular = u[0] * u[1] * Vec3(0.0, -std::sin(q[0]), std::cos(q[0]));
+  if (gimbal) {
+    const double s = std::sin(q[1]), c = std::cos(q[1]);
+    out.angular += u[2] * u[1] * Vec3(c, s * std::sin(q[0]), -s * std::cos(q[0]));
+    out.angular -= u[2] * u[0] * c * Vec3(0.0, std::cos(q[0]), std::sin(q[0]));
+  }
   return out;
 }
 
@@ -126,6 +132,7 @@ Mounting mount(const SceneModel& model, const PlannedLink& plan) {
       out.slide = 1;
       break;
     case JointType::universal:
+    case JointType::gimbal:
     case JointType::planar:
       out.kind = Mounting::Kind::other;
       break;

@@ -80,7 +80,8 @@ Result<> Writer::check() const {
       if (shape.collides && is_surface(shape.type))
         return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
                         " on static bodies only",
-                    source_position(scene_, b.origin), "make the body static, or give it another shape");
+                    source_position(scene_, b.origin),
+                    "make the body static, or give it another shape");
   }
   return {};
 }
@@ -312,6 +313,14 @@ void Writer::write_joint(int j) {
     case JointType::universal:
       axes = {{"hinge", 0, along(x, true)}, {"hinge", 1, along(y, false)}};
       break;
+    case JointType::gimbal: {
+      // The second axis in M, before the third turns it.
+      const Vec3 second = Quat(Eigen::AngleAxisd(-at.q[2], z)) * y;
+      axes = {{"hinge", 0, along(x, true)},
+              {"hinge", 1, along(second, false)},
+              {"hinge", 2, along(z, false)}};
+      break;
+    }
     case JointType::planar:
       axes = {
           {"slide", 0, along(x, true)}, {"slide", 1, along(y, true)}, {"hinge", 2, along(z, back)}};
@@ -321,7 +330,8 @@ void Writer::write_joint(int j) {
       break;
   }
   // Seen from the child they come in the other order.
-  if (back && it.type == JointType::universal) std::swap(axes[0], axes[1]);
+  if (back && (it.type == JointType::universal || it.type == JointType::gimbal))
+    std::reverse(axes.begin(), axes.end());
   if (back && it.type == JointType::planar) std::rotate(axes.begin(), axes.begin() + 2, axes.end());
   const Vec3 anchor = back ? Vec3(X_BN * X_FM.p) : X_BN.p;
   for (std::size_t i = 0; i < axes.size(); ++i) {

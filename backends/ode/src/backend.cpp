@@ -59,6 +59,9 @@ Capabilities make_capabilities() {
   set("screw",
       {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
       lacks, "ODE has no screw");
+  set("gimbal",
+      {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
+      lacks, "three hinges with light bodies between them do the same");
   set("ball", {"joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."}, lacks,
       "ODE's ball joint has neither stops nor a motor");
   set("planar", {"joint.limit."}, lacks, "ODE's LMotor has no stops");

@@ -154,6 +154,7 @@ void JointLink::make(dWorldID world, const Pose& X_WF, const Pose& X_WM) {
     case JointType::planar:
       return make_planar(world, X_WF, X_WM);
     case JointType::screw:
+    case JointType::gimbal:
     case JointType::free:
       return;
   }

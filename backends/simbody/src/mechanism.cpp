@@ -56,6 +56,8 @@ void mobilize(const Joint& joint, SimTK::MobilizedBody inboard, const Pose* anch
       return make(MobilizedBody::Cylinder());
     case JointType::universal:
       return make(MobilizedBody::Universal());
+    case JointType::gimbal:
+      return make(MobilizedBody::Gimbal());
     case JointType::planar:
       link.q_map = {1, 2, 0};
       link.u_map = {1, 2, 0};

@@ -18,6 +18,7 @@ JointType type_of(std::string_view tag) {
   if (tag == "slider") return JointType::slider;
   if (tag == "ball") return JointType::ball;
   if (tag == "universal") return JointType::universal;
+  if (tag == "gimbal") return JointType::gimbal;
   if (tag == "cylindrical") return JointType::cylindrical;
   if (tag == "planar") return JointType::planar;
   if (tag == "screw") return JointType::screw;
@@ -121,7 +122,7 @@ bool Builder::joint_frames(const Element& element, Joint& joint) {
   }
   if (!good) return false;
   axis.normalize();
-  if (joint.type == JointType::universal) {
+  if (joint.type == JointType::universal || joint.type == JointType::gimbal) {
     const auto given = r.vec3("axis2");
     if (given.failed()) return false;
     if (!((*given).norm() > 1e-9)) {
@@ -132,8 +133,8 @@ bool Builder::joint_frames(const Element& element, Joint& joint) {
     const double cosine = std::clamp(axis.dot(second), -1.0, 1.0);
     if (std::abs(cosine) > kRightAngle) {
       fault("CG0606", element, element.find("axis2") != nullptr ? "axis2" : "axis",
-            "the two axes of a universal joint must be at a right angle, these are at " +
-                shown(std::acos(cosine), true));
+            std::string("the two axes of a ") + to_string(joint.type) +
+                " joint must be at a right angle, these are at " + shown(std::acos(cosine), true));
       return false;
     }
     Mat3 axes;

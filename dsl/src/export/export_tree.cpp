@@ -63,6 +63,8 @@ std::vector<AxisStep> axis_steps(JointType type) {
       return {turn, slide};
     case JointType::universal:
       return {{true, true, Vec3::UnitX()}, {true, false, Vec3::UnitY()}};
+    case JointType::gimbal:
+      return {{true, true, Vec3::UnitX()}, {true, false, Vec3::UnitY()}, turn};
     case JointType::planar:
       return {{false, true, Vec3::UnitX()}, {false, true, Vec3::UnitY()}, turn};
     default:
@@ -180,7 +182,8 @@ void ExportTree::build() {
         const bool reversed = joint.child == body;
         const int other = reversed ? joint.parent : joint.child;
         if (other < 0 || !wanted[index(other)] || link_of_[index(other)] >= 0) continue;
-        if (reversed && (joint.type == JointType::universal || joint.type == JointType::planar)) {
+        if (reversed && (joint.type == JointType::universal || joint.type == JointType::gimbal ||
+                         joint.type == JointType::planar)) {
           used.insert(j);
           left_out(joint.origin, "joint '" + joint.name + "'",
                    "its child would be the parent in the tree, which its axes do not allow");

@@ -192,6 +192,8 @@ class MjcfWriter {
       const AxisStep& step = steps[i];
       Vec3 direction = step.direction;
       if (step.in_parent) direction = X_FM.q.conjugate() * direction;
+      if (j.type == JointType::gimbal && i == 1)  // before the third axis turns it
+        direction = Quat(Eigen::AngleAxisd(-j.position[2], Vec3::UnitZ())) * direction;
       const bool travel = j.type == JointType::screw && i == 1;
       const double ref = travel ? j.pitch / (2.0 * M_PI) * j.position[0]
                                 : (i < j.position.size() ? j.position[i] : 0.0);
@@ -281,9 +283,9 @@ class MjcfWriter {
         xml_.with("type", "plane").with("size", "0 0 1");
         break;
       case ShapeType::heightmap: {
-        X = X *
-            Pose(Vec3(0, 0, range_of(*tree_.model.heightmaps[ExportTree::index(s.heightmap)]).first),
-                 Quat(1, 0, 0, 0));
+        X = X * Pose(Vec3(0, 0,
+                          range_of(*tree_.model.heightmaps[ExportTree::index(s.heightmap)]).first),
+                     Quat(1, 0, 0, 0));
         xml_.with("type", "hfield").with("hfield", fmt::format("heights_{}", s.heightmap));
         break;
       }

@@ -73,7 +73,7 @@ const ElementSpec* find_element(std::string_view name);
 /// with `on`, a sensor, which this is.
 const ElementSpec& contact_sensor();
 
-/// Joint elements: hinge slider ball universal fixed cylindrical planar screw free.
+/// Joint elements: hinge slider ball universal gimbal fixed cylindrical planar screw free.
 bool is_joint(std::string_view element);
 /// Elements that act on bodies: force drag spring buoyancy wind.
 bool is_force(std::string_view element);

@@ -135,7 +135,7 @@ Attributes contained() {
 
 const Words kShapes = {"box",  "sphere", "cylinder", "capsule", "ellipsoid",
                        "cone", "prism",  "plane",    "mesh",    "heightmap"};
-const Words kJoints = {"hinge",       "slider", "ball",  "universal", "fixed",
+const Words kJoints = {"hinge",       "slider", "ball",  "universal", "gimbal", "fixed",
                        "cylindrical", "planar", "screw", "free"};
 const Words kSensors = {"encoder", "pose",     "imu",   "sensor",
                         "camera",  "infrared", "lidar", "force-torque"};
@@ -391,6 +391,14 @@ void add_joints(std::vector<ElementSpec>& out) {
           Attributes{numbers("axis2", kNone, 3, "Second axis, fixed in the child.", "0 1 0")} +
           joint_axes({kAngle, kAngle}),
       "<universal name=\"cross\" parent=\"shaft\" child=\"propeller\"/>");
+  add("gimbal",
+      "Three hinges at one point: turns about `axis`, then `axis2`, then the direction at right angles "
+      "to both; entries: three angles. Singular where the second is 90 degrees.",
+      joint_ends("1 0 0", "First axis, fixed in the parent.") +
+          Attributes{numbers("axis2", kNone, 3, "Second axis at angles of zero.", "0 1 0")} +
+          joint_axes({kAngle, kAngle, kAngle}),
+      "<gimbal name=\"hip\" parent=\"pelvis\" child=\"thigh\" lower=\"-30 -80 -40 deg\" "
+      "upper=\"30 80 40 deg\"/>");
   add("fixed", "Fixes two bodies to each other.", joint_ends("", ""),
       "<fixed name=\"bolt\" parent=\"table\" child=\"vice\"/>");
   add("cylindrical", "Rotates about its axis and translates along it; entries: angle, travel.",

@@ -29,6 +29,18 @@ double angle_about(double axis_part, double scalar_part) {
   return 2 * std::atan2(axis_part, scalar_part);
 }
 
+/// The angles of a gimbal, that of the second within a quarter turn.
+std::array<double, 3> gimbal_angles(const Quat& q_FM, const double* previous) {
+  constexpr double kSingular = 1e-9;  // cosine of the second angle: only first +- third is defined
+  const Vec3 z_M = q_FM * Vec3::UnitZ();
+  const double cosine = std::hypot(z_M.y(), z_M.z());
+  double first = previous != nullptr ? previous[0] : 0.0;
+  if (cosine > kSingular) first = std::atan2(-z_M.y(), z_M.z());
+  const double second = std::atan2(z_M.x(), cosine);
+  const Quat rest = (about_x(first) * about_y(second)).conjugate() * q_FM;
+  return {first, second, angle_about(rest.z(), rest.w())};
+}
+
 void put_quaternion(const Quat& value, const double* previous, double* q) {
   Quat unit = value.normalized();
   // q and -q are the same orientation: keep the sign of the previous one.
@@ -81,6 +93,9 @@ Pose joint_pose(const Joint& joint, const double* q) {
     case JointType::universal:
       X_FM.q = about_x(q[0]) * about_y(q[1]);
       break;
+    case JointType::gimbal:
+      X_FM.q = about_x(q[0]) * about_y(q[1]) * about_z(q[2]);
+      break;
     case JointType::planar:
       X_FM.p = Vec3(q[0], q[1], 0);
       X_FM.q = about_z(q[2]);
@@ -117,6 +132,10 @@ Twist joint_twist(const Joint& joint, const double* q, const double* u) {
       break;
     case JointType::universal:
       V_FM.angular = Vec3(u[0], u[1] * std::cos(q[0]), u[1] * std::sin(q[0]));
+      break;
+    case JointType::gimbal:
+      V_FM.angular = Vec3(u[0], 0, 0) +
+                     about_x(q[0]) * Vec3(u[2] * std::sin(q[1]), u[1], u[2] * std::cos(q[1]));
       break;
     case JointType::planar:
       V_FM.linear = Vec3(u[0], u[1], 0);
@@ -159,6 +178,23 @@ void joint_position(const Joint& joint, const Pose& X_FM, const double* previous
       q[1] = near_previous(angle_about(rest.y(), rest.w()), before(1));
       break;
     }
+    case JointType::gimbal: {
+      std::array<double, 3> angles = gimbal_angles(X_FM.q, previous);
+      if (previous != nullptr) {
+        // The same orientation; the one nearer to the previous.
+        const std::array<double, 3> other = {angles[0] + kPi, kPi - angles[1], angles[2] + kPi};
+        const auto far = [&](const std::array<double, 3>& from) {
+          double sum = 0.0;
+          for (std::size_t i = 0; i < 3; ++i)
+            sum += std::abs(std::remainder(from[i] - previous[i], 2 * kPi));
+          return sum;
+        };
+        if (far(other) < far(angles)) angles = other;
+      }
+      for (int i = 0; i < 3; ++i)
+        q[i] = near_previous(angles[static_cast<std::size_t>(i)], before(i));
+      break;
+    }
     case JointType::planar:
       q[0] = X_FM.p.x();
       q[1] = X_FM.p.y();
@@ -198,6 +234,15 @@ void joint_velocity(const Joint& joint, const Pose& X_FM, const Twist& V_FM, con
       u[0] = w.x();
       u[1] = w.y() * std::cos(q[0]) + w.z() * std::sin(q[0]);
       break;
+    case JointType::gimbal: {
+      // In the axes that the first angle has turned, w = (u0 + u2 sin q1, u1, u2 cos q1).
+      const Vec3 turned = about_x(q[0]).conjugate() * w;
+      const double c = std::cos(q[1]);
+      u[2] = c != 0.0 ? turned.z() / c : 0.0;
+      u[1] = turned.y();
+      u[0] = turned.x() - u[2] * std::sin(q[1]);
+      break;
+    }
     case JointType::planar:
       u[0] = v.x();
       u[1] = v.y();

@@ -269,7 +269,7 @@ template <class Enum>
 constexpr int last_of() {
   if constexpr (std::is_same_v<Enum, BodyKind>) return static_cast<int>(BodyKind::fixed);
   if constexpr (std::is_same_v<Enum, ShapeType>) return static_cast<int>(ShapeType::heightmap);
-  if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::free);
+  if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::gimbal);
   if constexpr (std::is_same_v<Enum, MotorMode>) return static_cast<int>(MotorMode::dc);
   if constexpr (std::is_same_v<Enum, ForceModel::Kind>) {
     return static_cast<int>(ForceModel::Kind::wind);

@@ -83,6 +83,8 @@ const char* to_string(JointType type) {
       return "ball";
     case JointType::free:
       return "free";
+    case JointType::gimbal:
+      return "gimbal";
   }
   return "?";
 }
@@ -115,6 +117,7 @@ int position_count(JointType type) {
     case JointType::universal:
       return 2;
     case JointType::planar:
+    case JointType::gimbal:
       return 3;
     case JointType::ball:
       return 4;

@@ -67,15 +67,30 @@ struct NamedFrame {
 // | screw       | angle about z [rad], see pitch          | its rate                              |
 // | cylindrical | angle about z [rad], travel along z [m] | their rates                           |
 // | universal   | angles about F's x and M's y [rad]      | their rates                           |
+// | gimbal      | angles about x, y and z, each as the    | their rates                           |
+// |             | ones before it have turned it [rad]     |                                       |
 // | planar      | x, y in F [m], angle about z [rad]      | their rates                           |
 // | ball        | quaternion w x y z of M in F            | angular velocity of M in F, axes F    |
 // | free        | x y z in F [m], quaternion w x y z      | linear, then angular velocity, axes F |
-enum class JointType { fixed, hinge, slider, screw, cylindrical, universal, planar, ball, free };
+//
+// A gimbal is singular where its second angle is a right one: x and z then turn about one line.
+enum class JointType {
+  fixed,
+  hinge,
+  slider,
+  screw,
+  cylindrical,
+  universal,
+  planar,
+  ball,
+  free,
+  gimbal
+};
 
 /// "hinge", "slider", ….
 COGRSIM_API const char* to_string(JointType type);
-COGRSIM_API int position_count(JointType type);  ///< 0 1 1 1 2 2 3 4 7
-COGRSIM_API int speed_count(JointType type);     ///< 0 1 1 1 2 2 3 3 6
+COGRSIM_API int position_count(JointType type);  ///< 0 1 1 1 2 2 3 4 7 3
+COGRSIM_API int speed_count(JointType type);     ///< 0 1 1 1 2 2 3 3 6 3
 
 /// Limits and passive forces along one axis of a joint. Coordinates are in rad and efforts in N m
 /// (rotation), or in m and N (translation).
@@ -135,8 +150,8 @@ struct CouplingTerm {
 /// linkages do: q = offset + sum of ratio * q of the terms. The effort E on the joint comes with
 /// the efforts -ratio E on the others.
 struct Coupling {
-  std::string name;  ///< dotted
-  int joint = -1;    ///< index into SceneModel::joints; has exactly one axis
+  std::string name;                 ///< dotted
+  int joint = -1;                   ///< index into SceneModel::joints; has exactly one axis
   std::vector<CouplingTerm> terms;  ///< at least one; not the joint itself
   double offset = 0.0;              ///< [rad] or [m]
   /// Largest effort on the joint [N m] or [N], > 0: beyond it the coupling slips.
@@ -187,33 +202,33 @@ struct Motor {
 struct ForceModel {
   enum class Kind {
     force,  ///< `factor` times `force` and `torque`
-    drag,   ///< -(linear + quadratic |v|) v - angular w, with v the velocity of E relative to `wind`
-            ///< and w the angular velocity of the body
-    spring,   ///< between E and E2, along the line: stiffness (l - length) + damping dl/dt
+    drag,  ///< -(linear + quadratic |v|) v - angular w, with v the velocity of E relative to `wind`
+           ///< and w the angular velocity of the body
+    spring,    ///< between E and E2, along the line: stiffness (l - length) + damping dl/dt
     buoyancy,  ///< density * volume of the body's shapes below `level` * -gravity, at its centroid
     wind       ///< `factor` times `wind`, for all drags
   } kind = Kind::force;
   std::string name;  ///< dotted
   int body = kWorld;
-  Pose X_BE;                   ///< of E in the body
-  int other = kWorld;          ///< spring: the second body
+  Pose X_BE;                        ///< of E in the body
+  int other = kWorld;               ///< spring: the second body
   Vec3 other_point = Vec3::Zero();  ///< spring: E2 in it [m]
-  bool in_body = false;        ///< force: the vectors are in the axes of E; else in world axes
-  Vec3 force = Vec3::Zero();   ///< [N]
-  Vec3 torque = Vec3::Zero();  ///< [N m]
-  std::string factor;          ///< force, wind: a signal (cogrsim/signals/signal.h); empty: 1
-  double from = 0.0;           ///< force, wind: time at which it begins [s]
+  bool in_body = false;             ///< force: the vectors are in the axes of E; else in world axes
+  Vec3 force = Vec3::Zero();        ///< [N]
+  Vec3 torque = Vec3::Zero();       ///< [N m]
+  std::string factor;               ///< force, wind: a signal (cogrsim/signals/signal.h); empty: 1
+  double from = 0.0;                ///< force, wind: time at which it begins [s]
   double until = std::numeric_limits<double>::infinity();  ///< and ends [s]
-  double linear = 0.0;         ///< drag [N s/m], >= 0
-  double quadratic = 0.0;      ///< drag [N s^2/m^2], >= 0
-  double angular = 0.0;        ///< drag [N m s/rad], >= 0
-  Vec3 wind = Vec3::Zero();    ///< drag, wind: velocity of the medium [m/s]
-  double stiffness = 0.0;      ///< spring [N/m], >= 0
-  double damping = 0.0;        ///< spring [N s/m], >= 0
-  double length = 0.0;         ///< spring: at which it exerts no force [m], >= 0
-  bool cable = false;          ///< spring: pulls only
-  double density = 1000.0;     ///< buoyancy: of the fluid [kg/m^3], > 0
-  double level = 0.0;          ///< buoyancy: height of the surface against gravity [m]
+  double linear = 0.0;                                     ///< drag [N s/m], >= 0
+  double quadratic = 0.0;                                  ///< drag [N s^2/m^2], >= 0
+  double angular = 0.0;                                    ///< drag [N m s/rad], >= 0
+  Vec3 wind = Vec3::Zero();  ///< drag, wind: velocity of the medium [m/s]
+  double stiffness = 0.0;    ///< spring [N/m], >= 0
+  double damping = 0.0;      ///< spring [N s/m], >= 0
+  double length = 0.0;       ///< spring: at which it exerts no force [m], >= 0
+  bool cable = false;        ///< spring: pulls only
+  double density = 1000.0;   ///< buoyancy: of the fluid [kg/m^3], > 0
+  double level = 0.0;        ///< buoyancy: height of the surface against gravity [m]
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -486,7 +501,7 @@ using BodyPair = std::pair<int, int>;  ///< first < second
 struct RandomizeModel {
   enum class How { multiply, set, add } how = How::multiply;
   enum class Shape { uniform, normal, loguniform, choice } shape = Shape::uniform;
-  std::string what;  ///< as in the scene: "robot.*.mass"
+  std::string what;                     ///< as in the scene: "robot.*.mass"
   std::vector<std::string> quantities;  ///< those of the scene that it names: "robot.arm.mass"
   /// uniform, loguniform: low and high; normal: mean and standard deviation; choice: the values. In
   /// SI units.

@@ -25,7 +25,8 @@ inline constexpr std::array kShapeTypes = {
 inline constexpr std::array kJointTypes = {
     JointType::fixed,  JointType::hinge,       JointType::slider,
     JointType::screw,  JointType::cylindrical, JointType::universal,
-    JointType::planar, JointType::ball,        JointType::free};
+    JointType::planar, JointType::ball,        JointType::free,
+    JointType::gimbal};
 inline constexpr std::array kMotorModes = {MotorMode::velocity, MotorMode::torque,
                                            MotorMode::position, MotorMode::servo, MotorMode::dc};
 

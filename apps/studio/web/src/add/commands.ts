@@ -24,6 +24,7 @@ const kOffered: [string, string][] = [
   ["slider", "Slider"],
   ["ball", "Ball joint"],
   ["universal", "Universal joint"],
+  ["gimbal", "Gimbal"],
   ["fixed", "Fixed joint"],
   ["cylindrical", "Cylindrical joint"],
   ["planar", "Planar joint"],

@@ -39,6 +39,7 @@ const kKinds: Record<string, string> = {
   hinge: "joint",
   ball: "joint",
   universal: "joint",
+  gimbal: "joint",
   fixed: "joint",
   cylindrical: "joint",
   planar: "slider",
