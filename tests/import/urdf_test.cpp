@@ -245,3 +245,14 @@ TEST_CASE("a floating joint below a link is no joint", "[urdf]") {
   CHECK(a.kind == BodyKind::dynamic);
   CHECK(a.X_WB.p.x() == 1.0);
 }
+
+TEST_CASE("a thin rod without a moment about its axis is given a little", "[urdf]") {
+  Imported in;
+  in.read(
+      "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" "
+      "izz=\"0\"/></inertial></link></robot>");
+  REQUIRE(in.model);
+  CHECK(in.body("a").inertia(2, 2) > 0.0);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'"));
+}

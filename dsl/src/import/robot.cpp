@@ -83,10 +83,9 @@ void repair_inertias(Context& context, RobotModel& robot) {
       const double third = (violation + 4.0 * slack) / 3.0;
       m += Vec3(third, third, -third);
     }
-    const bool changed = (m - before).cwiseAbs().maxCoeff() > 1e-9 * std::abs(m[2]);
-    if (!changed && (inertia.I - inertia.I.transpose()).cwiseAbs().maxCoeff() == 0.0 &&
-        violation <= slack)
-      continue;
+    const bool changed =
+        before[0] <= 0.0 || (m - before).cwiseAbs().maxCoeff() > 1e-9 * std::abs(m[2]);
+    if (m == before && (inertia.I - inertia.I.transpose()).cwiseAbs().maxCoeff() == 0.0) continue;
     const Mat3 V = solver.eigenvectors();
     inertia.I = V * m.asDiagonal() * V.transpose();
     inertia.I = 0.5 * (inertia.I + inertia.I.transpose()).eval();
@@ -260,11 +259,13 @@ class Welding {
       const RobotInertia in_parent = moved(*from.inertia, X);
       if (to.inertia && from.gravity_scale != to.gravity_scale) {
         const double mass = from.inertia->mass, sum = mass + to.inertia->mass;
-        to.gravity_scale += (from.gravity_scale - to.gravity_scale) * (sum > 0.0 ? mass / sum : 0.0);
-        context_.approximate(from.at, fmt::format("gravity of link '{}'", from.name),
-                             fmt::format("it is part of '{}' now, whose weight is that of both, but "
-                                         "acts at their centre of mass",
-                                         to.name));
+        to.gravity_scale +=
+            (from.gravity_scale - to.gravity_scale) * (sum > 0.0 ? mass / sum : 0.0);
+        context_.approximate(
+            from.at, fmt::format("gravity of link '{}'", from.name),
+            fmt::format("it is part of '{}' now, whose weight is that of both, but "
+                        "acts at their centre of mass",
+                        to.name));
       } else if (!to.inertia) {
         to.gravity_scale = from.gravity_scale;
       }
