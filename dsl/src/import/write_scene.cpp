@@ -121,8 +121,6 @@ class SceneWriter {
     return escaped(text);
   }
 
-  /// Whether a loop is closed where the robot starts: a loop is defined at the joints' zeros, which
-  /// limits may exclude.
   /// The joint nearest above a link that a coupling moves at the start, or null.
   const RobotJoint* coupled_above(int link) const {
     while (link >= 0) {
@@ -135,7 +133,17 @@ class SceneWriter {
     return nullptr;
   }
 
+  bool stands(int link) const {
+    return link < 0 || robot_.links[static_cast<std::size_t>(link)].is_static;
+  }
+
+  /// Whether a loop has an effect, and is closed where the robot starts: a loop is defined at the
+  /// joints' zeros, which limits may exclude.
   bool closes(const RobotJoint& j) {
+    if (j.parent == j.child || (stands(j.parent) && stands(j.child))) {
+      context_.left_out(j.at, fmt::format("loop '{}'", j.name), "joins what does not move");
+      return false;
+    }
     if (!coupled_starts_.empty() && coupled_above(j.parent) != coupled_above(j.child)) {
       context_.left_out(j.at, fmt::format("loop '{}'", j.name),
                         "a coupling with an offset moves a joint of it at the start");

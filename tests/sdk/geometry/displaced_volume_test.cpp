@@ -85,7 +85,7 @@ TEST_CASE("a cylinder is exact upright, and nearly so lying", "[displaced]") {
         Approx(segment).margin(1e-3 * volume));
 }
 
-TEST_CASE("a capsule lacks little of its caps; a plane displaces nothing", "[displaced]") {
+TEST_CASE("a capsule lacks little of its caps, a plane displaces nothing", "[displaced]") {
   Shape capsule;
   capsule.type = ShapeType::capsule;
   capsule.radius = 0.5;
