@@ -1,12 +1,12 @@
-# No library or program but the backends (and benchmarks, which measure bare engines) is linked to an
-# engine.
+# No library or program but the backends (and benchmarks, which measure bare engines, and the judges of
+# imports, which compare them with MuJoCo's own reader) is linked to an engine.
 include("${CMAKE_CURRENT_LIST_DIR}/engines.cmake")
 file(GLOB files "${BINARY_DIR}/lib/*.so" "${BINARY_DIR}/lib/cogrsim/plugins/*.so" "${BINARY_DIR}/bin/*")
 if(NOT files)
   message(FATAL_ERROR "nothing built in ${BINARY_DIR}")
 endif()
 foreach(file ${files})
-  if(IS_DIRECTORY ${file} OR file MATCHES "/cogrsim_[^/]*bench[^/]*$|/cogrsim_raw_[^/]*$")
+  if(IS_DIRECTORY ${file} OR file MATCHES "/cogrsim_[^/]*bench[^/]*$|/cogrsim_raw_[^/]*$|/cogrsim_judge_tests$")
     continue()
   endif()
   execute_process(COMMAND ${READELF} -d ${file} OUTPUT_VARIABLE dynamic ERROR_QUIET)

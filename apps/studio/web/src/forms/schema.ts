@@ -206,7 +206,18 @@ export const kShapes = [
   "mesh",
   "heightmap",
 ];
-export const kJoints = ["hinge", "slider", "ball", "universal", "gimbal", "fixed", "cylindrical", "planar", "screw", "free"];
+export const kJoints = [
+  "hinge",
+  "slider",
+  "ball",
+  "universal",
+  "gimbal",
+  "fixed",
+  "cylindrical",
+  "planar",
+  "screw",
+  "free",
+];
 /** What stands for one body, or for several glued or grouped. */
 export const kBodies = [...kShapes, "body"];
 export const kMovable = [...kBodies, "assembly", "frame"];
