@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "cogrsim/physics/backend.h"
+#include "cogrsim/physics/capabilities.h"
 #include "common/arguments.h"
 #include "common/options.h"
 #include "common/output_file.h"
@@ -22,8 +24,49 @@ namespace {
 struct ImportCommandOptions {
   std::string file, output, report;
   bool strict = false;
+  std::vector<std::string> engines;  ///< that shall run the scene
   dsl::ImportOptions import;
 };
+
+/// What the scene does without, so that all these engines run it. Errors: one of them is not there.
+Result<dsl::ImportWithout> lacking(PluginLoader& loader, const std::vector<std::string>& engines) {
+  dsl::ImportWithout out;
+  for (const std::string& engine : engines) {
+    const auto backend = loader.backend(engine);
+    if (!backend) return tl::unexpected(backend.error());
+    const Capabilities has = (*backend)->capabilities();
+    const auto lacks = [&](const std::string& feature) {
+      return has.get(feature).support == Support::unsupported;
+    };
+    if (lacks("joint.rotor-inertia.hinge") || lacks("joint.rotor-inertia.slider"))
+      out.rotor_inertia = fmt::format("'{}' does not support it", engine);
+    if (lacks("joint.coupling")) out.couplings = fmt::format("'{}' does not support it", engine);
+    if (lacks(pair_feature(ShapeType::convex_mesh, ShapeType::mesh)) ||
+        lacks(pair_feature(ShapeType::box, ShapeType::mesh)))
+      out.concave_meshes = fmt::format("'{}' does not collide others with meshes", engine);
+  }
+  return out;
+}
+
+/// Which installed engines run the scene, and the first reason of each that does not.
+void print_engines(const LoadedScene& scene) {
+  for (const PluginPtr& plugin : scene.loader->all()) {
+    if (plugin->descriptor().kind != PluginKind::backend) continue;
+    const std::string name = plugin->descriptor().name;
+    const auto backend = scene.loader->backend(name);
+    if (!backend) continue;
+    std::vector<std::string> reasons;
+    for (const Diagnostic& d : check_capabilities(*scene.model, name, (*backend)->capabilities()))
+      if (d.severity == Severity::error) reasons.push_back(d.message);
+    std::string line = fmt::format("  {:<10}runs it\n", name);
+    if (!reasons.empty()) {
+      line = fmt::format("  {:<10}does not run it: {}", name, reasons.front());
+      if (reasons.size() > 1) line += fmt::format(", and {} more", reasons.size() - 1);
+      line += "\n";
+    }
+    std::fputs(printable(line).c_str(), stderr);
+  }
+}
 
 int import_command(const ImportCommandOptions& options) {
   add_input(options.file);
@@ -44,6 +87,10 @@ int import_command(const ImportCommandOptions& options) {
       fs::weakly_canonical(output.parent_path().empty() ? fs::path(".") : output.parent_path(),
                            fault)
           .string();
+  PluginLoader loader;
+  auto without = lacking(loader, options.engines);
+  if (!without) return refuse(without.error());
+  import.without = std::move(*without);
   const dsl::ImportResult result = dsl::import_model(options.file, import);
   print_diagnostics(result.diagnostics);
   const ConversionTitle title{"Import of " + options.file, options.file, result.format,
@@ -91,6 +138,7 @@ int import_command(const ImportCommandOptions& options) {
                               result.count(dsl::Fidelity::approximate), lost))
             .c_str(),
         stderr);
+    print_engines(loaded);
   }
   return kGood;
 }
@@ -124,6 +172,12 @@ void add_import(CLI::App& app, int& status) {
       .add_option("--drives", arguments->drives, "Motors for the joints of a source that has none")
       ->check(CLI::IsMember({"none", "position", "torque", "velocity"}))
       ->type_name("none|position|torque|velocity");
+  command
+      .add_option("--engines", o.engines,
+                  "Engines that shall run the scene: rotor inertias, couplings and concave meshes "
+                  "that one of them does not support are left out, and reported")
+      ->delimiter(',')
+      ->type_name("LIST");
   command.add_flag("--fixed-base", o.import.fixed_base, "The root link is static");
   command.add_flag("--no-floor", arguments->no_floor, "Add no floor below the robot");
   command
@@ -142,6 +196,7 @@ void add_import(CLI::App& app, int& status) {
       "  cogrsim import arm.urdf.xacro -o arm.scene.xml --package "
       "arm_description=../arm_description\n"
       "  cogrsim import humanoid.xml -o humanoid.scene.xml --report humanoid.html\n"
+      "  cogrsim import dog.xml -o dog.scene.xml --engines cogrsim,bullet,mujoco\n"
       "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml.\n"
       "Exit status 0 imported, 1 not imported, 2 wrong usage.");
   command.callback([&status, arguments] {

@@ -65,6 +65,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
       for (std::size_t i = 0; i < robot.links.size(); ++i)
         if (!carried[i]) robot.links[i].is_static = true;
     }
+    leave_out_features(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);
     make_names(context, robot);

@@ -355,6 +355,21 @@ void remove_idle_drives(Context& context, RobotModel& robot) {
 
 }  // namespace
 
+void leave_out_features(Context& context, RobotModel& robot) {
+  const ImportWithout& without = context.options.without;
+  for (RobotJoint& j : robot.joints) {
+    if (!without.rotor_inertia.empty() && j.rotor_inertia != 0.0) {
+      context.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
+                       without.rotor_inertia);
+      j.rotor_inertia = 0.0;
+    }
+    if (!without.couplings.empty() && j.coupling) {
+      context.left_out(j.at, fmt::format("coupling of joint '{}'", j.name), without.couplings);
+      j.coupling.reset();
+    }
+  }
+}
+
 void weld(Context& context, RobotModel& robot) {
   fix_limited_joints(context, robot);
   Welding welding(context, robot);

@@ -137,6 +137,9 @@ Quat from_rpy(const Vec3& rpy);
 /// what changed is reported as approximate.
 void repair_inertias(Context& context, RobotModel& robot);
 
+/// Takes away what ImportOptions::without names, and reports it.
+void leave_out_features(Context& context, RobotModel& robot);
+
 /// Welds what fixed joints hold: shapes, frames and inertias of the child go to the parent, and the
 /// child's name becomes a frame there. Links without mass become frames or are given a small mass,
 /// which is reported. Limits that leave no freedom become fixed joints first.

@@ -369,10 +369,13 @@ class SceneWriter {
       attributes += scale[0] == scale[1] && scale[1] == scale[2]
                         ? fmt::format(" scale=\"{}\"", scale[0])
                         : fmt::format(" scale=\"{}\"", list(scale));
-    if (!l.is_static) attributes += " convex=\"true\"";
-    if (s.collides && !l.is_static)
-      context_.approximate(s.at, fmt::format("collision mesh of '{}'", l.name),
-                           "collides as its convex hull");
+    const std::string& reason = context_.options.without.concave_meshes;
+    const bool convex = !l.is_static || (s.collides && !reason.empty());
+    if (convex) attributes += " convex=\"true\"";
+    if (s.collides && convex)
+      context_.approximate(
+          s.at, fmt::format("collision mesh of '{}'", l.name),
+          l.is_static ? "collides as its convex hull: " + reason : "collides as its convex hull");
     return {"mesh", attributes};
   }
 

@@ -38,6 +38,14 @@ struct FidelityReport {
 /// Motors that an imported joint gets where the source names none.
 enum class ImportDrives { none, position, torque, velocity };
 
+/// What the scene shall not have, because an engine that shall run it lacks it. Each member is empty,
+/// or the reason, which the report repeats.
+struct ImportWithout {
+  std::string rotor_inertia;   ///< of joints: zero
+  std::string couplings;       ///< of joints: they move freely
+  std::string concave_meshes;  ///< of static links: they collide as convex hulls, as all others do
+};
+
 struct ImportOptions {
   /// ROS packages by name: the folder of each. Beside these, a package is looked for in the folders
   /// above the model (by its package.xml), in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH.
@@ -61,6 +69,7 @@ struct ImportOptions {
   std::vector<std::string> only_below;
   /// An SRDF file beside a URDF; empty: none.
   std::string semantics;
+  ImportWithout without;
   Limits limits;
 };
 
