@@ -112,17 +112,26 @@ std::string ExportTree::title() const {
 
 int ExportTree::link_of(int body) const { return body < 0 ? -1 : link_of_[index(body)]; }
 
-void ExportTree::build() {
+/// The frames of the joint to the parent in the tree, which is the joint's child if `reversed`.
+static void set_frames(Link& link, const Joint& j, bool reversed) {
+  link.X_PF = j.X_PF;
+  link.X_CM = j.X_CM;
+  if (!reversed) return;
+  // Half a turn about x reverses z, so that the coordinate keeps its sign.
+  const Pose half(Vec3::Zero(), Quat(0, 1, 0, 0));
+  link.X_PF = j.X_CM * half;
+  link.X_CM = j.X_PF * half;
+}
+
+std::vector<std::vector<int>> ExportTree::find_joints(std::vector<bool>& wanted) {
   names_["body"].insert("world");
   body_names_.resize(model.bodies.size());
   joint_names_.resize(model.joints.size());
-  std::vector<bool> wanted(model.bodies.size(), false);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
     wanted[b] = !body.removed && selected(body.assembly);
     if (wanted[b]) body_names_[b] = unique_name("body", body.name);
   }
-  // The joints at each wanted body; whether the other end is the ground.
   const auto is_ground = [&](int body) {
     return body < 0 || model.bodies[index(body)].kind != BodyKind::dynamic;
   };
@@ -146,6 +155,12 @@ void ExportTree::build() {
     if (parent) at[index(joint.parent)].push_back(static_cast<int>(j));
     if (child) at[index(joint.child)].push_back(static_cast<int>(j));
   }
+  return at;
+}
+
+void ExportTree::build() {
+  std::vector<bool> wanted(model.bodies.size(), false);
+  const std::vector<std::vector<int>> at = find_joints(wanted);
   link_of_.assign(model.bodies.size(), -1);
   std::set<int> used;
   std::deque<int> open;
@@ -156,15 +171,7 @@ void ExportTree::build() {
     link.joint = joint;
     link.grounded = grounded;
     if (joint >= 0) {
-      const Joint& j = model.joints[index(joint)];
-      link.X_PF = j.X_PF;
-      link.X_CM = j.X_CM;
-      if (reversed) {
-        // Half a turn about x reverses z, so that the coordinate keeps its sign.
-        const Pose half(Vec3::Zero(), Quat(0, 1, 0, 0));
-        link.X_PF = j.X_CM * half;
-        link.X_CM = j.X_PF * half;
-      }
+      set_frames(link, model.joints[index(joint)], reversed);
       used.insert(joint);
     }
     link_of_[index(body)] = static_cast<int>(links.size());

@@ -94,6 +94,9 @@ class ExportTree {
 
  private:
   void select();
+  /// Names what is exported: `wanted` bodies, and the joints at each of them, which it returns by
+  /// body; loops are separate.
+  std::vector<std::vector<int>> find_joints(std::vector<bool>& wanted);
   void build();
   void add(Fidelity fidelity, const SourceSpan& at, const std::string& element,
            const std::string& message);

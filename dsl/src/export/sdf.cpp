@@ -258,6 +258,26 @@ class SdfWriter {
                                                                               : "world";
   }
 
+  /// SDF's name of a type; nullptr: it has none.
+  static const char* joint_type(const Joint& j) {
+    switch (j.type) {
+      case JointType::fixed:
+        return "fixed";
+      case JointType::hinge:
+        return j.axes[0].has_limit() ? "revolute" : "continuous";
+      case JointType::slider:
+        return "prismatic";
+      case JointType::screw:
+        return "screw";
+      case JointType::universal:
+        return "universal";
+      case JointType::ball:
+        return "ball";
+      default:
+        return nullptr;
+    }
+  }
+
   void joint(int index) {
     const Joint& j = tree_.model.joints[ExportTree::index(index)];
     const std::string element = "joint '" + j.name + "'";
@@ -265,31 +285,12 @@ class SdfWriter {
       tree_.exact(j.origin, element, "is no element: both bodies are free");
       return;
     }
-    const char* type = nullptr;
-    switch (j.type) {
-      case JointType::fixed:
-        type = "fixed";
-        break;
-      case JointType::hinge:
-        type = j.axes[0].has_limit() ? "revolute" : "continuous";
-        break;
-      case JointType::slider:
-        type = "prismatic";
-        break;
-      case JointType::screw:
-        type = "screw";
-        break;
-      case JointType::universal:
-        type = "universal";
-        break;
-      case JointType::ball:
-        type = "ball";
-        break;
-      default:
-        tree_.left_out(
-            j.origin, element,
-            fmt::format("SDF has no {} joint; its bodies are not connected", to_string(j.type)));
-        return;
+    const char* const type = joint_type(j);
+    if (type == nullptr) {
+      tree_.left_out(
+          j.origin, element,
+          fmt::format("SDF has no {} joint; its bodies are not connected", to_string(j.type)));
+      return;
     }
     const std::string parent = link_name(j.parent), child = link_name(j.child);
     if (parent == child || child == "world") {
