@@ -216,12 +216,16 @@ TEST_CASE("names of meshes and models lead to no file outside", "[hostile]") {
   for (const std::string& name :
        {std::string("../parts/t.obj"), outside, "file://" + outside,
         std::string("package://.hidden/t.obj"), std::string("package://robot/.hidden/t.obj"),
-        std::string("package://robot/../parts/t.obj")}) {
+        std::string("package://robot/../parts/t.obj"), std::string("package://parts/t.obj")}) {
     INFO(name);
     in.read(robot(name), "robot/r.urdf");
     CHECK(in.reports(kLeftOut, "mesh '" + name + "'"));
     CHECK(in.model->meshes.empty());
   }
+  in.folder.write("parts/package.xml", "<package/>");
+  in.read(robot("package://parts/t.obj"), "robot/r.urdf");
+  REQUIRE(in.model);
+  CHECK(in.model->meshes.size() == 1);
   in.options.packages = {{"any", (in.folder / "parts")}};
   in.read(robot("package://any/t.obj"), "robot/r.urdf");
   REQUIRE(in.model);

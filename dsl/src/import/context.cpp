@@ -162,11 +162,16 @@ Result<std::string> Context::package(const std::string& name) {
     allowed_.push_back(found.string());
     return true;
   };
-  // Above the model: the folder of that name in which it lies, and folders of that name beside it.
-  for (fs::path up = folder_; up.has_relative_path(); up = up.parent_path()) {
-    if (up.filename() == name && take(up)) return packages_[name];
-    if (take(up / name)) return packages_[name];
-  }
+  // Above the model: the folder of that name in which it lies, and folders of that name beside it. They
+  // say themselves that they are packages, lest a model read in whatever folder it names.
+  const auto is_package = [](const fs::path& folder) {
+    std::error_code fault;
+    return fs::is_regular_file(folder / "package.xml", fault) ||
+           fs::is_regular_file(folder / "model.config", fault);
+  };
+  for (fs::path up = folder_; up.has_relative_path(); up = up.parent_path())
+    for (const fs::path& folder : {up.filename() == name ? up : fs::path(), up / name})
+      if (!folder.empty() && is_package(folder) && take(folder)) return packages_[name];
   for (const std::string& root : folders_in("ROS_PACKAGE_PATH")) {
     if (fs::path(root).filename() == name && take(root)) return packages_[name];
     if (take(fs::path(root) / name)) return packages_[name];

@@ -48,7 +48,7 @@ struct ImportWithout {
 
 struct ImportOptions {
   /// ROS packages by name: the folder of each. Beside these, a package is looked for in the folders
-  /// above the model (by its package.xml), in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH.
+  /// above the model (by package.xml or model.config), in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH.
   std::map<std::string, std::string> packages;
   /// Arguments of xacro, `<xacro:arg>`.
   std::map<std::string, std::string> arguments;
