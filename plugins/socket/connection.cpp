@@ -1,6 +1,7 @@
 #include "connection.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -57,13 +58,38 @@ void bind_and_listen(int file, const sockaddr* address, socklen_t size, const st
   }
 }
 
+/// The open folder of a file.
+class Folder {
+ public:
+  /// Empty: none.
+  explicit Folder(const std::string& file)
+      : open_(file.empty()
+                  ? -1
+                  : ::open(file.substr(0, file.rfind('/') + 1).c_str(), O_PATH | O_CLOEXEC)) {}
+  ~Folder() {
+    if (open_ >= 0) ::close(open_);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  /// The same file, by the folder if it is open.
+  std::string shorten(const std::string& file) const {
+    if (open_ < 0) return file;
+    return "/proc/self/fd/" + std::to_string(open_) + file.substr(file.rfind('/'));
+  }
+
+ private:
+  int open_;
+};
+
 int listen_unix(const std::string& path, const std::string& text) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path)
-    fail("the path of '" + text + "' has more than " + std::to_string(sizeof address.sun_path - 1) +
-         " characters; move the scene, or use tcp:127.0.0.1:PORT");
-  std::memcpy(address.sun_path, path.data(), path.size());
+  // An address takes 107 characters; a longer path goes by its open folder.
+  const Folder folder(path.size() < sizeof address.sun_path ? std::string() : path);
+  const std::string shorter = folder.shorten(path);
+  if (shorter.size() >= sizeof address.sun_path)
+    fail("the name of '" + text + "' is too long; use a shorter one, or tcp:127.0.0.1:PORT");
+  std::memcpy(address.sun_path, shorter.data(), shorter.size());
   struct stat there {};
   if (::lstat(path.c_str(), &there) == 0) {
     if (!S_ISSOCK(there.st_mode)) fail("'" + text + "' is a file that is no socket");

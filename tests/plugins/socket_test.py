@@ -72,6 +72,11 @@ class Socket(unittest.TestCase):
     def test_python(self):
         self.check_client([sys.executable, str(EXAMPLE / "client.py")])
 
+    def test_a_folder_longer_than_an_address(self):
+        self.folder /= "d" * 120
+        self.folder.mkdir()
+        self.check_client([sys.executable, str(EXAMPLE / "client.py")])
+
     def test_python_over_tcp(self):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
@@ -187,7 +192,7 @@ class Socket(unittest.TestCase):
                               ("unix:", "inside the scene's folder"),
                               ("unix:run.scene.xml", "no socket"),
                               ("unix:missing/run.sock", "no folder inside"),
-                              ("unix:" + "x" * 200, "characters"),
+                              ("unix:" + "x" * 200, "too long"),
                               ("tcp:127.0.0.1", "no port"),
                               ("tcp:127.0.0.1:70000", "no port"),
                               ("tcp:example.org:5000", "in numbers"),
