@@ -36,7 +36,9 @@ def by_module(scene, engine):
 
 class Hashes(Case):
     def test_every_example_on_every_engine(self):
-        scenes = sorted(EXAMPLES.glob("*/*.scene.xml"))
+        # A scene with `connect` waits for another program.
+        scenes = sorted(scene for scene in EXAMPLES.glob("*/*.scene.xml")
+                        if "connect=" not in scene.read_text(encoding="utf-8"))
         self.assertGreaterEqual(len(scenes), 9)
         self.assertGreaterEqual(len(ENGINES), 5)
         compared = 0
