@@ -54,3 +54,21 @@ TEST_CASE("joints of SDF in a circle are a joint and a loop", "[sdf]") {
   in.read(circle("a"), "m.sdf");
   CHECK(in.refuses("CG1410", "to itself", 3));
 }
+
+TEST_CASE("axes of a universal joint are made perpendicular", "[sdf]") {
+  Imported in;
+  const auto robot = [](const std::string& second) {
+    return "<sdf version=\"1.9\"><model name=\"m\"><link name=\"a\"/><link name=\"b\"/>"
+           "<joint name=\"j\" type=\"universal\"><parent>a</parent><child>b</child>"
+           "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>" +
+           second + "</xyz></axis2></joint></model></sdf>";
+  };
+  in.read(robot("1 1 0"), "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.joint("j").type == JointType::universal);
+  CHECK(in.reports(dsl::Fidelity::approximate, "axes of joint 'j'", "45 deg"));
+  in.read(robot("-2 0 0"), "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.joint("j").type == JointType::hinge);
+  CHECK(in.reports(dsl::Fidelity::left_out, "axes of joint 'j'", "are parallel"));
+}

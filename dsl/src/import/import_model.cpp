@@ -66,6 +66,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
         if (!carried[i]) robot.links[i].is_static = true;
     }
     leave_out_features(context, robot);
+    square_axes(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);
     make_names(context, robot);

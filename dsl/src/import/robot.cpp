@@ -370,6 +370,26 @@ void leave_out_features(Context& context, RobotModel& robot) {
   }
 }
 
+void square_axes(Context& context, RobotModel& robot) {
+  for (std::vector<RobotJoint>* const list : {&robot.joints, &robot.loops})
+    for (RobotJoint& j : *list) {
+      if (j.type != RobotJoint::Type::universal) continue;
+      const double along = j.axis.dot(j.axis2);
+      if (std::abs(along) < 1e-9) continue;
+      const Vec3 across = j.axis2 - along * j.axis;
+      const std::string element = fmt::format("axes of joint '{}'", j.name);
+      if (across.norm() < 1e-3) {
+        context.left_out(j.at, element, "are parallel: it is a hinge about the first");
+        j.type = RobotJoint::Type::hinge;
+        continue;
+      }
+      context.approximate(j.at, element,
+                          fmt::format("the second was turned by {:.3g} deg to a right angle",
+                                      std::asin(std::min(std::abs(along), 1.0)) * 180.0 / kPi));
+      j.axis2 = across.normalized();
+    }
+}
+
 void weld(Context& context, RobotModel& robot) {
   fix_limited_joints(context, robot);
   Welding welding(context, robot);

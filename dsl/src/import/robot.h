@@ -140,6 +140,9 @@ void repair_inertias(Context& context, RobotModel& robot);
 /// Takes away what ImportOptions::without names, and reports it.
 void leave_out_features(Context& context, RobotModel& robot);
 
+/// Makes the axes of universal joints perpendicular, as the scene language has them.
+void square_axes(Context& context, RobotModel& robot);
+
 /// Welds what fixed joints hold: shapes, frames and inertias of the child go to the parent, and the
 /// child's name becomes a frame there. Links without mass become frames or are given a small mass,
 /// which is reported. Limits that leave no freedom become fixed joints first.
