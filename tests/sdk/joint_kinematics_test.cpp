@@ -121,6 +121,30 @@ TEST_CASE("without a past, angles lie within half a turn and quaternions have w 
   }
 }
 
+TEST_CASE("the rate of the twist is its difference along the motion", "[joint]") {
+  const Joint joint = make_joint(any_type());
+  CAPTURE(to_string(joint.type));
+  RandomStream random(17, to_string(joint.type));
+  for (int i = 0; i < 50; ++i) {
+    const auto q = random_position(joint.type, random, 1.0);
+    const auto u = random_velocity(joint.type, random);
+    const Pose X = joint_pose(joint, q.data());
+    const Twist V = joint_twist(joint, q.data(), u.data());
+    const double h = 1e-5;
+    const auto twist_after = [&](double time) {
+      auto moved_q = q;
+      joint_position(joint, moved(X, V, time), q.data(), moved_q.data());
+      return joint_twist(joint, moved_q.data(), u.data());
+    };
+    const Twist before = twist_after(-h), after = twist_after(h);
+    const Twist rate = joint_twist_rate(joint, q.data(), u.data());
+    // Cut off at h^2 of terms below 1e3, rounding 1e-16 / h. Coordinates of a gimbal amplify both by
+    // 1 / cos(1).
+    REQUIRE(((after.angular - before.angular) / (2 * h) - rate.angular).norm() < 1e-6);
+    REQUIRE(((after.linear - before.linear) / (2 * h) - rate.linear).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("a universal joint turns about F's x, then about M's y", "[joint]") {
   const Joint joint = make_joint(JointType::universal);
   const double q[2] = {kPi / 2, 0.3};

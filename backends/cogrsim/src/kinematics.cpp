@@ -40,21 +40,6 @@ Placement moved_along_axis(const Mounting& mounting, const Placement& X_WI, cons
   return X_WO;
 }
 
-// Rates of the joint's twist in F at constant speeds, M's origin as it goes. Only the later axes of a
-// universal joint and of a gimbal turn in F.
-Twist twist_rate(const Joint& joint, const double* q, const double* u) {
-  Twist out;
-  const bool gimbal = joint.type == JointType::gimbal;
-  if (gimbal || joint.type == JointType::universal)
-    out.angular = u[0] * u[1] * Vec3(0.0, -std::sin(q[0]), std::cos(q[0]));
-  if (gimbal) {
-    const double s = std::sin(q[1]), c = std::cos(q[1]);
-    out.angular += u[2] * u[1] * Vec3(c, s * std::sin(q[0]), -s * std::cos(q[0]));
-    out.angular -= u[2] * u[0] * c * Vec3(0.0, std::cos(q[0]), std::sin(q[0]));
-  }
-  return out;
-}
-
 // X_IO, how O moves in I, and the rate of that at constant speeds, of any joint of the model. With R, p
 // of X_FM and w, v of V_FM, the joint reversed is X_MF = (R', -R' p), in M's axes
 //   w_MF = -R' w,  v_MF = R' (w x p - v),   and, as R' changes by -R' [w],
@@ -73,7 +58,7 @@ JointMotion joint_motion(const SceneModel& model, const Link& link, const double
     for (int k = 0; k < link.nu; ++k) model_u[std::size_t(k)] = u[link.u_map[std::size_t(k)]];
   JointMotion out{Placement(joint_pose(joint, model_q.data())),
                   joint_twist(joint, model_q.data(), model_u.data()),
-                  twist_rate(joint, model_q.data(), model_u.data())};
+                  joint_twist_rate(joint, model_q.data(), model_u.data())};
   if (!link.plan.reversed) return out;
   const Mat3 R = out.X.R.transpose();
   const Vec3 p = out.X.p, w = out.V.angular, v = out.V.linear;

@@ -152,6 +152,19 @@ Twist joint_twist(const Joint& joint, const double* q, const double* u) {
   return V_FM;
 }
 
+Twist joint_twist_rate(const Joint& joint, const double* q, const double* u) {
+  Twist out;
+  const bool gimbal = joint.type == JointType::gimbal;
+  if (gimbal || joint.type == JointType::universal)
+    out.angular = u[0] * u[1] * Vec3(0.0, -std::sin(q[0]), std::cos(q[0]));
+  if (gimbal) {
+    const double s = std::sin(q[1]), c = std::cos(q[1]);
+    out.angular += u[2] * u[1] * Vec3(c, s * std::sin(q[0]), -s * std::cos(q[0]));
+    out.angular -= u[2] * u[0] * c * Vec3(0.0, std::cos(q[0]), std::sin(q[0]));
+  }
+  return out;
+}
+
 void joint_position(const Joint& joint, const Pose& X_FM, const double* previous, double* q) {
   const auto before = [previous](int i) { return previous == nullptr ? nullptr : previous + i; };
   const double turn_z = angle_about(X_FM.q.z(), X_FM.q.w());

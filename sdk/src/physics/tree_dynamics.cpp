@@ -3,18 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 
 #include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim {
 namespace {
-
-/// Rate of the relative twist of joint_twist() at the speeds' rates zero, in axes of F.
-Vec3 angular_bias(const Joint& joint, const double* q, const double* u) {
-  if (joint.type != JointType::universal) return Vec3::Zero();
-  return u[0] * u[1] * Vec3(0.0, -std::sin(q[0]), std::cos(q[0]));
-}
 
 /// A placed state of a model and what follows from it.
 class Trees {
@@ -96,7 +89,7 @@ class Trees {
     const double* const u = state_.joint_velocities.data() + e.joint.speed_offset;
     const Twist V = joint_twist(e.joint, e.q, u);
     Twist A = joint_twist(e.joint, e.q, du.data() + e.joint.speed_offset);
-    A.angular += angular_bias(e.joint, e.q, u);
+    A.angular += joint_twist_rate(e.joint, e.q, u).angular;
     const Vec3 w_P = twist(e.joint.parent).angular;
     const Vec3 linear = 2 * w_P.cross(e.R * V.linear) + e.R * A.linear;
     const Vec3 angular = w_P.cross(e.R * V.angular) + e.R * A.angular;

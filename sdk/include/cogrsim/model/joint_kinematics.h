@@ -20,6 +20,10 @@ COGRSIM_API Pose joint_pose(const Joint& joint, const double* q);
 /// (speed_count(type) entries) at the coordinates `q`.
 COGRSIM_API Twist joint_twist(const Joint& joint, const double* q, const double* u);
 
+/// Rate of joint_twist() at constant speeds `u`: of its components in F. Zero but for universal joints
+/// and gimbals, whose later axes turn in F.
+COGRSIM_API Twist joint_twist_rate(const Joint& joint, const double* q, const double* u);
+
 /// Computes the coordinates `q` (position_count(type) entries) of a relative pose X_FM. Motion that
 /// the joint does not allow is ignored; joint_error() measures it. Angles are within pi of
 /// `previous` (position_count(type) entries), so that full turns are counted; if `previous` is
