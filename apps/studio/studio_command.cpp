@@ -11,15 +11,16 @@
 
 #include "browser.h"
 #include "cogrsim/plugin/loader.h"
-#include "document.h"
-#include "render/frames.h"
-#include "kept_tokens.h"
 #include "common/options.h"
 #include "common/output_file.h"
+#include "common/scene_loading.h"
+#include "common/terminal.h"
+#include "document.h"
+#include "kept_tokens.h"
+#include "render/frames.h"
 #include "run.h"
 #include "server.h"
 #include "studio.h"
-#include "common/terminal.h"
 #include "user_folders.h"
 
 namespace cogrsim::studio {
@@ -76,9 +77,7 @@ StudioInfo info_of(const StudioOptions& options, bool recording) {
   info.file = std::filesystem::path(options.file).filename().string();
   info.allow_build = options.allow_build;
   if (recording) return info;
-  for (const PluginPtr& plugin : PluginLoader(options.plugin_paths).all())
-    if (plugin->descriptor().kind == PluginKind::backend)
-      info.backends.push_back(plugin->descriptor().name);
+  info.backends = cli::installed_backends(std::make_shared<PluginLoader>(options.plugin_paths));
   return info;
 }
 

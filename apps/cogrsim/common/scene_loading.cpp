@@ -55,6 +55,10 @@ LoadedScene load_scene(const SceneOptions& options) {
   return scene;
 }
 
+std::vector<std::string> installed_backends(const std::shared_ptr<PluginLoader>& loader) {
+  return dsl::LoaderCatalog(loader).names(PluginKind::backend);
+}
+
 double duration_of(const SceneModel& model, const SceneOptions& options) {
   if (options.duration) return *options.duration;
   return model.physics.duration.value_or(kDefaultDuration);

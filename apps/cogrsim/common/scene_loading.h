@@ -24,6 +24,9 @@ struct LoadedScene {
 /// Compiles the scene with the plugins found in the usual folders and those given.
 LoadedScene load_scene(const SceneOptions& options);
 
+/// The names of all backends that the loader finds, sorted.
+std::vector<std::string> installed_backends(const std::shared_ptr<PluginLoader>& loader);
+
 /// The run's length [s]: the option, else the scene's own, else 10 s.
 double duration_of(const SceneModel& model, const SceneOptions& options);
 

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "cogrsim/physics/backend.h"
-#include "compare/compare_output.h"
 #include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/progress.h"
 #include "common/refuse.h"
 #include "common/scene_loading.h"
+#include "compare/compare_output.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -38,11 +38,7 @@ std::string steps_problem(const std::vector<double>& steps) {
 std::vector<std::string> chosen_backends(const CompareCommandOptions& options,
                                          const LoadedScene& scene) {
   if (!options.backends.empty()) return options.backends;
-  std::vector<std::string> names;
-  for (const PluginPtr& plugin : scene.loader->all()) {
-    if (plugin->descriptor().kind == PluginKind::backend)
-      names.push_back(plugin->descriptor().name);
-  }
+  std::vector<std::string> names = installed_backends(scene.loader);
   const auto own = std::find(names.begin(), names.end(), scene.model->physics.backend);
   if (own != names.end()) std::rotate(names.begin(), own, own + 1);
   return names;
@@ -225,8 +221,7 @@ int compare_command(const CompareCommandOptions& options) {
     const std::string problem =
         fmt::format("a comparison needs two backends, found {}",
                     report.backends.empty() ? "none" : "only '" + report.backends.front() + "'");
-    print_error(problem +
-                "\nhelp: name them with --backends A,B; cogrsim plugins lists them");
+    print_error(problem + "\nhelp: name them with --backends A,B; cogrsim plugins lists them");
     report.diagnostics.push_back(to_diagnostic(Error(problem)));
     return deliver(options, report, kFailed);
   }

@@ -50,21 +50,16 @@ Result<dsl::ImportWithout> lacking(PluginLoader& loader, const std::vector<std::
 
 /// Which installed engines run the scene, and the first reason of each that does not.
 void print_engines(const LoadedScene& scene) {
-  for (const PluginPtr& plugin : scene.loader->all()) {
-    if (plugin->descriptor().kind != PluginKind::backend) continue;
-    const std::string name = plugin->descriptor().name;
+  for (const std::string& name : installed_backends(scene.loader)) {
     const auto backend = scene.loader->backend(name);
     if (!backend) continue;
     std::vector<std::string> reasons;
     for (const Diagnostic& d : check_capabilities(*scene.model, name, (*backend)->capabilities()))
       if (d.severity == Severity::error) reasons.push_back(d.message);
-    std::string line = fmt::format("  {:<10}runs it\n", name);
-    if (!reasons.empty()) {
-      line = fmt::format("  {:<10}does not run it: {}", name, reasons.front());
-      if (reasons.size() > 1) line += fmt::format(", and {} more", reasons.size() - 1);
-      line += "\n";
-    }
-    std::fputs(printable(line).c_str(), stderr);
+    std::string verdict = "runs it";
+    if (!reasons.empty()) verdict = "does not run it: " + reasons.front();
+    if (reasons.size() > 1) verdict += fmt::format(", and {} more", reasons.size() - 1);
+    std::fputs(printable(fmt::format("  {:<10}{}\n", name, verdict)).c_str(), stderr);
   }
 }
 

@@ -56,19 +56,11 @@ Result<std::vector<std::string>> scene_files(const std::vector<std::string>& arg
   return files;
 }
 
-std::vector<std::string> all_backends(const LoadedScene& scene) {
-  std::vector<std::string> names;
-  for (const PluginPtr& plugin : scene.loader->all())
-    if (plugin->descriptor().kind == PluginKind::backend)
-      names.push_back(plugin->descriptor().name);
-  return names;
-}
-
 // The backends that both the test and the user select; an empty list selects all.
 std::vector<std::string> backends_of(const TestModel& test, const TestCommandOptions& options,
                                      const LoadedScene& scene) {
   if (test.backends.empty())
-    return options.backends.empty() ? all_backends(scene) : options.backends;
+    return options.backends.empty() ? installed_backends(scene.loader) : options.backends;
   std::vector<std::string> both;
   for (const std::string& name : test.backends)
     if (options.backends.empty() ||
@@ -250,10 +242,11 @@ int test_command(const TestCommandOptions& options) {
     }
   }
   const std::string summary =
-      options.format == "text" ? fmt::format("{} case{}: {} passed, {} failed\n", cases.size(),
-                         cases.size() == 1 ? "" : "s",
-                         cases.size() - static_cast<std::size_t>(failed), failed)
-           : json_text(report_json(cases, options)) + "\n";
+      options.format == "text"
+          ? fmt::format("{} case{}: {} passed, {} failed\n", cases.size(),
+                        cases.size() == 1 ? "" : "s",
+                        cases.size() - static_cast<std::size_t>(failed), failed)
+          : json_text(report_json(cases, options)) + "\n";
   if (const auto printed = print_output(summary); !printed) {
     return refuse(printed.error());
   }
@@ -267,21 +260,22 @@ void add_test(CLI::App& app, int& status) {
     int jobs = 0;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command =
-      *app.add_subcommand("test", "Run the tests of scenes on every backend");
+  CLI::App& command = *app.add_subcommand("test", "Run the tests of scenes on every backend");
   command.add_option("scenes", arguments->scenes, "Scenes, or folders of them")
       ->required()
       ->type_name("SCENE|FOLDER...");
-  add_list(command, "--backends", arguments->backends, "Physics engines; default: the test's, else all",
-           "A,B");
+  add_list(command, "--backends", arguments->backends,
+           "Physics engines; default: the test's, else all", "A,B");
   command.add_option("--seeds", arguments->seeds, "Seeds; default: the test's, else the scene's")
       ->type_name("1..5|1,3");
-  command.add_option("-j,--jobs", arguments->jobs, "Cases run at a time; default: one per processor")
+  command
+      .add_option("-j,--jobs", arguments->jobs, "Cases run at a time; default: one per processor")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
   command.add_option("--filter", arguments->filter, "Run only tests with this text in their name")
       ->type_name("NAME");
-  command.add_option("--junit", arguments->junit, "Write the results as JUnit XML")->type_name("FILE");
+  command.add_option("--junit", arguments->junit, "Write the results as JUnit XML")
+      ->type_name("FILE");
   command.add_option("--format", arguments->format, "Format of the output")
       ->check(CLI::IsMember({"text", "json"}))
       ->type_name("text|json");
