@@ -34,10 +34,12 @@ class AckermannDrive final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override {
     robot_ = robot;
-    steer_left_ = motor(robot, "steer_left", cogrsim::MotorMode::position);
-    steer_right_ = motor(robot, "steer_right", cogrsim::MotorMode::position);
-    left_ = motor(robot, "drive_left", cogrsim::MotorMode::velocity);
-    right_ = motor(robot, "drive_right", cogrsim::MotorMode::velocity);
+    steer_left_ =
+        robot.motor(robot.parameter<std::string>("steer_left"), cogrsim::MotorMode::position);
+    steer_right_ =
+        robot.motor(robot.parameter<std::string>("steer_right"), cogrsim::MotorMode::position);
+    left_ = robot.motor(robot.parameter<std::string>("drive_left"), cogrsim::MotorMode::velocity);
+    right_ = robot.motor(robot.parameter<std::string>("drive_right"), cogrsim::MotorMode::velocity);
     tracker_ = robot.sensor<cogrsim::PoseSensor>(robot.parameter<std::string>("pose"));
     wheelbase_ = robot.parameter<double>("wheelbase");
     track_ = robot.parameter<double>("track");
@@ -97,16 +99,6 @@ class AckermannDrive final : public cogrsim::Controller {
   }
 
  private:
-  static cogrsim::MotorHandle motor(cogrsim::Assembly& robot, const std::string& parameter,
-                                    cogrsim::MotorMode mode) {
-    const std::string name = robot.parameter<std::string>(parameter);
-    const cogrsim::MotorHandle handle = robot.motor(name);
-    if (handle.valid() && handle.mode() != mode)
-      robot.fail("motor '" + name + "' has mode \"" + cogrsim::to_string(handle.mode()) +
-                 "\": expected \"" + cogrsim::to_string(mode) + "\"");
-    return handle;
-  }
-
   std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed
   cogrsim::MotorHandle steer_left_, steer_right_, left_, right_;
   cogrsim::PoseSensor tracker_;

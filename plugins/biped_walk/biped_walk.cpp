@@ -66,9 +66,7 @@ class BipedWalk final : public cogrsim::Controller {
                                                "ankle_roll"};
     for (std::size_t s = 0; s < 2; ++s) {
       for (std::size_t j = 0; j < 5; ++j) {
-        motors_[s][j] = robot.motor(sides[s] + joints[j]);
-        if (motors_[s][j].valid() && motors_[s][j].mode() != cogrsim::MotorMode::torque)
-          robot.fail("motor '" + sides[s] + joints[j] + "': expected mode \"torque\"");
+        motors_[s][j] = robot.motor(sides[s] + joints[j], cogrsim::MotorMode::torque);
       }
     }
     hip_ = robot.parameter<double>("hip_y");

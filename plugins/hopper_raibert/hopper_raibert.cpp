@@ -21,8 +21,8 @@ class HopperRaibert final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override {
     robot_ = robot;
-    hip_ = motor(robot, "hip");
-    leg_ = motor(robot, "leg");
+    hip_ = robot.motor(robot.parameter<std::string>("hip"), cogrsim::MotorMode::torque);
+    leg_ = robot.motor(robot.parameter<std::string>("leg"), cogrsim::MotorMode::torque);
     tracker_ = robot.sensor<cogrsim::PoseSensor>(robot.parameter<std::string>("pose"));
     foot_ = robot.sensor<cogrsim::ContactSensor>(robot.parameter<std::string>("foot"));
     length_ = robot.parameter<double>("length");
@@ -85,14 +85,6 @@ class HopperRaibert final : public cogrsim::Controller {
  private:
   static constexpr double kTouch = 2e-3;     // [m] that a leg in stance is compressed, at least
   static constexpr double kShortest = 0.06;  // [s]
-
-  static cogrsim::MotorHandle motor(cogrsim::Assembly& robot, const std::string& parameter) {
-    const std::string name = robot.parameter<std::string>(parameter);
-    const cogrsim::MotorHandle handle = robot.motor(name);
-    if (handle.valid() && handle.mode() != cogrsim::MotorMode::torque)
-      robot.fail("motor '" + name + "': expected mode \"torque\"");
-    return handle;
-  }
 
   std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed
   cogrsim::MotorHandle hip_, leg_;

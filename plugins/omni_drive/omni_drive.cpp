@@ -24,11 +24,8 @@ class OmniDrive final : public cogrsim::Controller {
   void configure(cogrsim::Assembly& robot) override {
     robot_ = robot;
     std::istringstream names(robot.parameter<std::string>("motors"));
-    for (std::string name; names >> name;) {
-      wheels_.push_back(robot.motor(name));
-      if (wheels_.back().valid() && wheels_.back().mode() != cogrsim::MotorMode::velocity)
-        robot.fail("motor '" + name + "': expected mode \"velocity\"");
-    }
+    for (std::string name; names >> name;)
+      wheels_.push_back(robot.motor(name, cogrsim::MotorMode::velocity));
     angles_ = robot.parameter<std::vector<double>>("angles");
     if (angles_.size() != wheels_.size() || angles_.empty())
       robot.fail("parameter 'angles': expected one for each of the " +

@@ -13,8 +13,8 @@
 //     p = hip + v T/4 + k (v_measured - v)        T: a whole stride
 //
 // where v is the speed asked for and 1.5/s times what the trunk is behind of a point with that speed.
-// Each joint's torque is kp (angle - q) - kd q'. Standing legs level the trunk: each is longer by (c a + c' a') times its distance from the axis of
-// the angle a, pitch or roll.
+// Each joint's torque is kp (angle - q) - kd q'. Standing legs level the trunk: each is longer by
+// (c a + c' a') times its distance from the axis of the angle a, pitch or roll.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -78,7 +78,10 @@ class QuadrupedTrot final : public cogrsim::Controller {
       leg.phase = i == 0 || i == 3 ? 0.0 : 0.5;
       leg.foot = stance(leg);
       for (std::size_t k = 0; k < 3; ++k)
-        leg.motors[k] = motor(robot, names[i] + (k == 0 ? "_roll" : k == 1 ? "_pitch" : "_knee"));
+        leg.motors[k] = robot.motor(names[i] + (k == 0   ? "_roll"
+                                                : k == 1 ? "_pitch"
+                                                         : "_knee"),
+                                    cogrsim::MotorMode::torque);
     }
   }
 
@@ -144,13 +147,6 @@ class QuadrupedTrot final : public cogrsim::Controller {
   }
 
  private:
-  static cogrsim::MotorHandle motor(cogrsim::Assembly& robot, const std::string& name) {
-    const cogrsim::MotorHandle handle = robot.motor(name);
-    if (handle.valid() && handle.mode() != cogrsim::MotorMode::torque)
-      robot.fail("motor '" + name + "': expected mode \"torque\"");
-    return handle;
-  }
-
   Vec3 stance(const Leg& leg) const { return leg.hip + Vec3(0, leg.side * offset_, -height_); }
 
   void command(Leg& leg, Vec3 p) const {

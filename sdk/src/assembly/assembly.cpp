@@ -166,6 +166,14 @@ MotorHandle Assembly::motor(const std::string& name) {
   return {access_.get(), index};
 }
 
+MotorHandle Assembly::motor(const std::string& name, MotorMode mode) {
+  const MotorHandle handle = motor(name);
+  if (handle.valid() && handle.mode() != mode)
+    fail("motor '" + name + "' has mode \"" + to_string(handle.mode()) + "\": expected mode \"" +
+         to_string(mode) + "\"");
+  return handle;
+}
+
 SensorHandle Assembly::any_sensor(const std::string& name) {
   SensorHandle handle;
   bind(handle, name, nullptr);

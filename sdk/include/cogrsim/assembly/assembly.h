@@ -186,6 +186,9 @@ class COGRSIM_API Assembly {
 
   /// A motor by its name inside the assembly ("left") or inside a nested assembly ("arm.elbow").
   MotorHandle motor(const std::string& name);
+  /// The same, for a controller that needs this mode: a motor with another one is an error as by
+  /// fail().
+  MotorHandle motor(const std::string& name, MotorMode mode);
   /// A sensor by its name, as a typed handle: `robot.sensor<Infrared>("front")`.
   template <class Type>
   Type sensor(const std::string& name) {
