@@ -343,7 +343,7 @@ const std::vector<FaithfulScene>& faithful_list() {
       {"slide-45", "a box slides at 45 degrees to x", 1000},
       {"bounce", "a ball falls 1 m, restitution 0.5", 3000},
       {"stack-10", "ten boxes on top of each other", 2000},
-      {"spheres", "6 x 6 x 6 spheres of 10 kg fall into a bin", 1000},
+      {"spheres", "6 x 6 x 6 spheres of 10 kg fall into a bin", 400},
       {"chain", "30 links on hinges, without contact", 2000},
       {"double-pendulum", "two links on hinges", 3000},
       {"ring", "a ring of 20 hinged capsules falls on the floor", 2000},

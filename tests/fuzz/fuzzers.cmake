@@ -47,8 +47,11 @@ if(TARGET cogrsim_share_lib)
   list(APPEND libraries -lcurl -larchive -lcrypto -lsqlite3)
 endif()
 
-# Compiles a source once, however many fuzzers it is in.
+# Compiles a source once, however many fuzzers it is in. One that has moved is found when the build is configured.
 function(cogrsim_fuzz_object source out)
+  if(NOT EXISTS ${source})
+    message(FATAL_ERROR "a fuzzer is made of ${source}, which is not there: see tests/fuzz/fuzzers.cmake")
+  endif()
   string(REPLACE "${CMAKE_CURRENT_BINARY_DIR}/" "" name ${source})
   string(REPLACE "${PROJECT_SOURCE_DIR}/" "" name ${name})
   set(object ${CMAKE_CURRENT_BINARY_DIR}/instrumented/${name}.o)
@@ -105,9 +108,9 @@ cogrsim_with_folder(${dsl}/assets meshes mesh_file mesh_obj mesh_stl)
 cogrsim_add_fuzzer(mesh ${meshes})
 cogrsim_add_fuzzer(plugin ${sdk}/plugin/elf_symbols.cpp)
 cogrsim_with_folder(${sdk}/recording files mcap/mcap_reader mcap/messages mcap/scene_messages
-  model_check model_json recomputing recording)
-cogrsim_add_fuzzer(recording ${files} ${sdk}/map/canvas.cpp ${sdk}/map/map.cpp
-  ${sdk}/map/outline.cpp)
+  recomputing recording)
+cogrsim_add_fuzzer(recording ${files} ${sdk}/model/model_check.cpp ${sdk}/model/model_json.cpp
+  ${sdk}/map/canvas.cpp ${sdk}/map/map.cpp ${sdk}/map/outline.cpp)
 cogrsim_with_folder(${sdk}/signals files arithmetic condition parse signal terms)
 cogrsim_with_folder(${sdk}/geometry geometry bounds convex gjk surface_distance triangles)
 cogrsim_add_fuzzer(signal ${files} ${geometry} ${sdk}/core/units.cpp)

@@ -1,6 +1,7 @@
 // Infrared and lidar against closed forms.
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "support.h"
 
@@ -8,8 +9,6 @@ using namespace cogrsim;
 using namespace cogrsim::test;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SensorModel sensor(const std::string& name, const std::string& type, const Pose& X_WS) {
   SensorModel model;

@@ -50,11 +50,11 @@ const kGroups: [string, string[]][] = [
   ],
 ];
 
-/** A field that the vocabulary does not know: text, so that nothing in the file is hidden. */
-function unknownAttribute(name: string): AttributeSchema {
+/** An attribute without unit, range or default; a field that the vocabulary does not know is one of text. */
+export function plainAttribute(name: string, kind: AttributeSchema["kind"] = "text"): AttributeSchema {
   return {
     name,
-    kind: "text",
+    kind,
     doc: "",
     default: "",
     required: false,
@@ -86,7 +86,7 @@ export function formGroups(schema: Schema, elements: readonly TreeElement[]): Fo
   const specs = known.filter((a) => a.name !== "name");
   for (const element of elements) {
     for (const name of Object.keys(element.attributes)) {
-      if (name !== "name" && !specs.some((s) => s.name === name)) specs.push(unknownAttribute(name));
+      if (name !== "name" && !specs.some((s) => s.name === name)) specs.push(plainAttribute(name));
     }
   }
   const groups: FormGroup[] = [{ title: "", fields: [] }, ...kGroups.map(([title]) => ({ title, fields: [] }))];

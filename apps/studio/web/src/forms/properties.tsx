@@ -10,25 +10,9 @@ import { labelOf } from "../tree/model";
 import { kSignalType, signalLabel, TreeState } from "../tree/tree_state";
 import { applyOps } from "./apply";
 import { Field } from "./field";
-import { formGroups, parameterOps, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
+import { formGroups, parameterOps, plainAttribute, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
 import { LiveValues } from "./live";
-import type { AttributeSchema, Schema } from "./schema";
-
-const kNameSpec: Omit<AttributeSchema, "doc" | "required"> = {
-  name: "name",
-  kind: "name",
-  default: "",
-  units: [],
-  perEntry: false,
-  min: null,
-  max: null,
-  aboveMin: false,
-  noneAllowed: false,
-  choices: [],
-  minCount: 1,
-  maxCount: 1,
-  wants: "",
-};
+import type { Schema } from "./schema";
 
 function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
   const [lines, setLines] = useState<[string, string][]>([]);
@@ -115,7 +99,7 @@ function ElementForm({
       {one && nameSpec && (
         <Field
           key={`name ${one.id}`}
-          spec={{ ...kNameSpec, doc: nameSpec.doc, required: nameSpec.required }}
+          spec={{ ...plainAttribute("name", "name"), doc: nameSpec.doc, required: nameSpec.required }}
           text={one.name}
           disabled={disabled}
           problem={problems?.fields.get("name")?.message}
