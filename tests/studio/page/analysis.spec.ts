@@ -34,6 +34,7 @@ test("bookmarks at events, and scrubbing with mouse and keys", async () => {
   await layout(page, "Run");
   await run();
   await expect(page.getByTestId("bookmark").first()).toBeVisible();
+  await expect(page.getByTestId("time")).toContainText(/1\.200/);
   await page.getByRole("button", { name: "Previous event" }).click();
   await expect(page.getByTestId("time")).toContainText(/0\.50[05]/);
   await expect.poll(() => page.getByTestId("map").getAttribute("data-time").then(Number)).toBeCloseTo(0.5, 1);
