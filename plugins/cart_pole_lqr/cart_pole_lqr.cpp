@@ -60,9 +60,7 @@ class CartPoleLqr final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override {
     robot_ = robot;
-    drive_ = robot.motor(robot.parameter<std::string>("motor"));
-    if (drive_.valid() && drive_.mode() != cogrsim::MotorMode::torque)
-      robot.fail("cart_pole_lqr sets a force: expected a motor of mode \"torque\"");
+    drive_ = robot.motor(robot.parameter<std::string>("motor"), cogrsim::MotorMode::torque);
     pole_ = robot.sensor<cogrsim::Encoder>(robot.parameter<std::string>("encoder"));
     cart_mass_ = robot.parameter<double>("cart_mass");
     mass_ = robot.parameter<double>("pole_mass");

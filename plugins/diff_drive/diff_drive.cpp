@@ -25,15 +25,6 @@ double towards(double value, double wanted, double change) {
   return value + std::clamp(wanted - value, -change, change);
 }
 
-cogrsim::MotorHandle wheel_motor(cogrsim::Assembly& robot, const std::string& name) {
-  const cogrsim::MotorHandle motor = robot.motor(name);
-  if (motor.valid() && motor.mode() != cogrsim::MotorMode::velocity) {
-    robot.fail("motor '" + name + "' has mode \"" + cogrsim::to_string(motor.mode()) +
-               "\", but diff_drive sets wheel speeds: expected mode \"velocity\"");
-  }
-  return motor;
-}
-
 class DiffDrive final : public cogrsim::Controller {
  public:
   void configure(cogrsim::Assembly& robot) override;
@@ -66,8 +57,8 @@ class DiffDrive final : public cogrsim::Controller {
 
 void DiffDrive::configure(cogrsim::Assembly& robot) {
   robot_ = robot;
-  left_ = wheel_motor(robot, robot.parameter<std::string>("left"));
-  right_ = wheel_motor(robot, robot.parameter<std::string>("right"));
+  left_ = robot.motor(robot.parameter<std::string>("left"), cogrsim::MotorMode::velocity);
+  right_ = robot.motor(robot.parameter<std::string>("right"), cogrsim::MotorMode::velocity);
   radius_ = robot.parameter<double>("wheel_radius");
   track_ = robot.parameter<double>("track");
   left_sign_ = robot.parameter<bool>("reverse_left") ? -1.0 : 1.0;

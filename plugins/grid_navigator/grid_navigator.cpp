@@ -99,14 +99,8 @@ class GridNavigator final : public cogrsim::Controller {
 
 void GridNavigator::configure(cogrsim::Assembly& robot) {
   robot_ = robot;
-  left_ = robot.motor(robot.parameter<std::string>("left"));
-  right_ = robot.motor(robot.parameter<std::string>("right"));
-  for (const auto& motor : {left_, right_}) {
-    if (motor.valid() && motor.mode() != cogrsim::MotorMode::velocity) {
-      robot.fail(std::string("a wheel's motor has mode \"") + cogrsim::to_string(motor.mode()) +
-                 "\": expected \"velocity\"");
-    }
-  }
+  left_ = robot.motor(robot.parameter<std::string>("left"), cogrsim::MotorMode::velocity);
+  right_ = robot.motor(robot.parameter<std::string>("right"), cogrsim::MotorMode::velocity);
   left_encoder_ = robot.sensor<cogrsim::Encoder>(robot.parameter<std::string>("left_encoder"));
   right_encoder_ = robot.sensor<cogrsim::Encoder>(robot.parameter<std::string>("right_encoder"));
   tracking_ = robot.sensor<cogrsim::PoseSensor>(robot.parameter<std::string>("pose"));
