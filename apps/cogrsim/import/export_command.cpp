@@ -101,11 +101,7 @@ void add_export(CLI::App& app, int& status) {
            "NAME=VALUE");
   command.add_option("--plugin-path", o.scene.plugin_paths, "Folder with plugins; may be repeated")
       ->type_name("DIR");
-  command
-      .add_option("--report", o.report,
-                  "Write what is exact, approximate and left out, element by element")
-      ->type_name("FILE.json|.html");
-  command.add_flag("--strict", o.strict, "Fail if anything is left out");
+  add_report_options(command, o.report, o.strict);
   command.footer(
       "Examples:\n"
       "  cogrsim export robot.scene.xml -o robot.urdf --assembly robot\n"

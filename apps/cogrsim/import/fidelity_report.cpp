@@ -42,6 +42,14 @@ const char* css_class(Fidelity fidelity) {
 
 }  // namespace
 
+void add_report_options(CLI::App& command, std::string& report, bool& strict) {
+  command
+      .add_option("--report", report,
+                  "Write what is exact, approximate and left out, element by element")
+      ->type_name("FILE.json|.html");
+  command.add_flag("--strict", strict, "Fail if anything is left out");
+}
+
 void check_report_name(const std::string& file) {
   if (!file.empty() && !file.ends_with(".json") && !file.ends_with(".html"))
     throw UsageError("--report", Error("'" + file + "' ends neither in .json nor in .html"));

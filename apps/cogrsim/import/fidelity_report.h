@@ -8,6 +8,10 @@
 #include "cogrsim/dsl/import_model.h"
 #include "common/json_text.h"
 
+namespace CLI {
+class App;
+}
+
 namespace cogrsim::cli {
 
 /// The head of a report.
@@ -18,6 +22,8 @@ struct ConversionTitle {
   bool done = false;   ///< a result was made
 };
 
+/// Adds --report and --strict.
+void add_report_options(CLI::App& command, std::string& report, bool& strict);
 /// Throws UsageError if a report's name ends neither in .json nor in .html.
 void check_report_name(const std::string& file);
 OutputKind report_kind(const std::string& file);

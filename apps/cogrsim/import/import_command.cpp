@@ -180,11 +180,7 @@ void add_import(CLI::App& app, int& status) {
                   "Copy all meshes into this folder beside the scene; default: only those that the "
                   "scene cannot refer to, into meshes")
       ->type_name("DIR");
-  command
-      .add_option("--report", o.report,
-                  "Write what is exact, approximate and left out, element by element")
-      ->type_name("FILE.json|.html");
-  command.add_flag("--strict", o.strict, "Fail if anything is left out");
+  add_report_options(command, o.report, o.strict);
   command.footer(
       "Examples:\n"
       "  cogrsim import robot.urdf -o robot.scene.xml\n"
