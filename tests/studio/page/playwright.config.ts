@@ -8,8 +8,7 @@ export default defineConfig({
   timeout: 120_000,
   expect: { timeout: 20_000 },
   workers: 1,
-  // Beside other tests a page may be too slow for a person's patience once; the list then says "flaky".
-  retries: 1,
+  retries: 0,
   reporter: [["list"]],
   use: {
     viewport: { width: 1500, height: 950 },
