@@ -1,4 +1,4 @@
-"""Finds the classes behind names such as "py:steer.Steer"."""
+"""Finds the classes behind names such as "py:steer.Steer", and runs controllers of them in processes of their own."""
 
 import difflib
 import importlib
@@ -45,3 +45,20 @@ def find(kind, name, folders):
     if not issubclass(found, base):
         raise TypeError(f"'{name}' is not derived from cogrsim.{base.__name__}")
     return found
+
+
+def host_command(name):
+    """The command that runs the controller in a process of its own, where modules are found as in this one."""
+    if name.startswith("py:__main__."):
+        raise LookupError(f"'{name}' is defined in the program itself, which its own process does not run; "
+                          "put the class into a module, or leave isolation=\"process\" out")
+    if not sys.executable:
+        raise LookupError("the path of the Python interpreter is not known (sys.executable is empty)")
+    return [sys.executable, "-u", "-c",
+            f"import sys; sys.path[:] = {sys.path!r}; from cogrsim._plugins import serve; serve()"]
+
+
+def serve():
+    """Runs one controller for the simulation that has started this process."""
+    from . import _cogrsim
+    sys.exit(_cogrsim._serve_isolated_controller())

@@ -1,7 +1,8 @@
 """Controllers, supervisors and sensors in Python.
 
 A scene names a class as ``plugin="py:MODULE.CLASS"``. The module is imported as by ``import MODULE``, where
-the folders of ``plugin_path`` come first. Classes run in the process of the simulation.
+the folders of ``plugin_path`` come first. Controllers run in the simulation's process, or with
+``isolation="process"`` in a Python process of their own; supervisors and sensors in the simulation's.
 """
 
 import math

@@ -40,6 +40,11 @@ ParameterTable table_of(const py::object& cls) {
   return table;
 }
 
+/// The message of an exception that _plugins.py raises.
+std::string first_argument(const py::error_already_set& error) {
+  return py::str(error.value().attr("args")[py::int_(0)]).cast<std::string>();
+}
+
 using Found = Result<std::shared_ptr<const PluginDescriptor>>;
 
 Found declare(PluginKind kind, const std::string& name, const std::vector<std::string>& folders) {
@@ -80,8 +85,8 @@ Found find(PluginKind kind, const std::string& name, const std::vector<std::stri
     return declare(kind, name, folders);
   } catch (py::error_already_set& error) {
     if (error.matches(PyExc_TypeError) || error.matches(PyExc_LookupError)) {
-      const auto text = py::str(error.value().attr("args")[py::int_(0)]).cast<std::string>();
-      return fail(text, "", "", error.matches(PyExc_TypeError) ? "CG0903" : "CG0901");
+      return fail(first_argument(error), "", "",
+                  error.matches(PyExc_TypeError) ? "CG0903" : "CG0901");
     }
     return fail(std::string(to_string(kind)) + " '" + name +
                     "' cannot be imported: " + exception_text(error),
@@ -93,8 +98,24 @@ Found find(PluginKind kind, const std::string& name, const std::vector<std::stri
   }
 }
 
+Result<std::vector<std::string>> host(const std::string& name) {
+  const py::gil_scoped_acquire lock;
+  try {
+    return py::module_::import("cogrsim._plugins")
+        .attr("host_command")(name)
+        .cast<std::vector<std::string>>();
+  } catch (py::error_already_set& error) {
+    return fail(error.matches(PyExc_LookupError) ? first_argument(error) : exception_text(error), "",
+                "", "CG0902");
+  }
+}
+
 }  // namespace
 
-void bind_controllers(py::module_&) { set_plugin_source("py:", find); }
+void bind_controllers(py::module_& m) {
+  set_plugin_source("py:", find, host);
+  m.def("_serve_isolated_controller", &serve_isolated_controller,
+        py::call_guard<py::gil_scoped_release>());
+}
 
 }  // namespace cogrsim::python

@@ -180,9 +180,47 @@ class InPython(Case):
                 del sim
                 gc.collect()
 
-    def test_not_in_a_process_of_its_own(self):
-        with self.assertRaisesRegex(cg.Error, "process of its own"):
-            cg.Simulation(self.compile(), isolation="process")
+    def test_a_process_of_its_own_gives_the_same(self):
+        scene = self.compile()
+        here, there = cg.Simulation(scene), cg.Simulation(scene, isolation="process")
+        a, b = here.run_until(0.25), there.run_until(0.25)
+        self.assertEqual(a.state_hash, b.state_hash)
+        np.testing.assert_array_equal(a.position, b.position)
+        self.assertEqual(a[scene.controllers[0]].angle, b[scene.controllers[0]].angle)
+        self.assertEqual(self.loaded().handles[3].updates, 25)  # of the other one nothing is seen here
+        data = there.save_bytes()
+        again = cg.resume(data, scene, isolation="process")
+        # A snapshot keeps poses, not the engine's coordinates: equal to rounding.
+        np.testing.assert_allclose(again.run_until(0.3).position, here.run_until(0.3).position, atol=1e-12)
+
+    def test_an_exception_in_a_process_of_its_own_is_the_same_fault(self):
+        messages = []
+        for isolation in ("none", "process"):
+            sim = cg.Simulation(self.compile(), isolation=isolation)
+            with self.assertWarnsRegex(cg.RunWarning, "after 0.3 s"):
+                sim.run_until(0.5)
+            messages.append([(one.time, one.source, one.message) for one in sim.messages if one.severity == "error"])
+        self.assertIn(f"{self.module}.py", messages[1][0][2])
+        self.assertEqual(messages[0], messages[1])
+
+    def test_a_controller_that_ends_or_hangs_is_a_fault(self):
+        for does, expected in (("os._exit(3)", "exit code 3"), ("os.kill(os.getpid(), 11)", "SIGSEGV"),
+                               ("while True: pass", "0.5 s"), ("sys.exit(4)", "SystemExit")):
+            name = "ending_" + str(abs(hash(does)))
+            self.write(f"{name}.py", MODULE.replace("self.updates += 1", does).replace("import cogrsim", "import os, sys\nimport cogrsim"))
+            text = ROBOT.replace("PLACE", name).replace('rate="100 Hz"', 'rate="100 Hz" isolation="process" deadline="0.5 s"')
+            sim = cg.Simulation(self.compile(text))
+            with self.subTest(does), self.assertWarnsRegex(cg.RunWarning, expected):
+                frame = sim.run_until(0.1)
+            self.assertEqual((sim.status, round(frame.time, 6)), ("running", 0.1))
+
+    def test_a_class_of_the_program_itself_has_no_process(self):
+        main_module = sys.modules["__main__"]
+        main_module.Turner = type("Turner", (cg.Controller,), {"parameters": [cg.parameter("speed", 0.2, "rad/s")]})
+        self.addCleanup(delattr, main_module, "Turner")
+        scene = self.compile(ROBOT.replace("PLACE", "__main__"))
+        with self.assertRaisesRegex(cg.Error, "put the class into a module"):
+            cg.Simulation(scene, isolation="process")
 
     def test_snapshot_keeps_the_inner_state(self):
         scene = self.compile()

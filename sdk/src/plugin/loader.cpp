@@ -86,8 +86,12 @@ Result<> check_file(const std::string& path) {
 }
 
 struct Sources {
+  struct One {
+    PluginSource source;
+    PluginHost host;
+  };
   std::mutex mutex;
-  std::map<std::string, PluginSource> by_prefix;
+  std::map<std::string, One> by_prefix;
 };
 Sources& sources() {
   static Sources all;
@@ -95,10 +99,10 @@ Sources& sources() {
 }
 
 /// The source of the plugins with this name; empty: they are libraries.
-PluginSource source_of(const std::string& name) {
+Sources::One source_of(const std::string& name) {
   std::lock_guard lock(sources().mutex);
-  for (const auto& [prefix, source] : sources().by_prefix) {
-    if (name.compare(0, prefix.size(), prefix) == 0) return source;
+  for (const auto& [prefix, one] : sources().by_prefix) {
+    if (name.compare(0, prefix.size(), prefix) == 0) return one;
   }
   return {};
 }
@@ -251,10 +255,17 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
   return opened;
 }
 
-void set_plugin_source(const std::string& prefix, PluginSource source) {
+Result<std::vector<std::string>> host_command(const std::string& name) {
+  const Sources::One one = source_of(name);
+  if (one.host) return one.host(name);
+  return fail("plugin '" + name + "' is no library, and cannot run in a process of its own", "",
+              "leave isolation=\"process\" out");
+}
+
+void set_plugin_source(const std::string& prefix, PluginSource source, PluginHost host) {
   std::lock_guard lock(sources().mutex);
   if (source) {
-    sources().by_prefix[prefix] = std::move(source);
+    sources().by_prefix[prefix] = {std::move(source), std::move(host)};
   } else {
     sources().by_prefix.erase(prefix);
   }
@@ -292,7 +303,7 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
                 "COGRSIM_PLUGIN_PATH",
                 "CG0901");
   }
-  if (const PluginSource source = source_of(name)) {
+  if (const PluginSource source = source_of(name).source) {
     const auto known = [&]() -> PluginPtr {
       for (const PluginPtr& plugin : loaded_) {
         const PluginDescriptor& d = plugin->descriptor();

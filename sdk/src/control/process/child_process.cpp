@@ -88,7 +88,7 @@ std::string controller_host_path() {
   return (own.parent_path() / "cogrsim" / "cogrsim_controller_host").string();
 }
 
-Result<std::unique_ptr<ChildProcess>> ChildProcess::start() {
+Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::string> command) {
   std::unique_ptr<ChildProcess> child(new ChildProcess);
   if (auto made = child->channel_.create(); !made) {
     return fail(made.error().message, "", remedy(errno));
@@ -102,12 +102,14 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start() {
   const int link = moved_up(ends[1]);
   const int memory = ::fcntl(child->channel_.file(), F_DUPFD_CLOEXEC, watchdog::kFirstFree);
   std::string path = controller_host_path();
-  char* arguments[] = {path.data(), nullptr};
+  std::vector<char*> arguments = {path.data()};
+  for (std::string& argument : command) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
   int problem = link < 0 || memory < 0 ? EMFILE : 0;
   if (problem == 0) {
     SpawnSettings settings(memory, link);
     problem = ::posix_spawn(&child->watchdog_, path.c_str(), &settings.actions,
-                            &settings.attributes, arguments, environ);
+                            &settings.attributes, arguments.data(), environ);
     if (problem != 0) child->watchdog_ = -1;
   }
   if (link >= 0) ::close(link);

@@ -2,7 +2,8 @@
 //
 // simulation ── watchdog ── worker (the controller) ── processes that it starts
 //
-// The watchdog is the program cogrsim_controller_host, and the worker is its child. The watchdog
+// The watchdog is the program cogrsim_controller_host, and the worker is its child: a fork of it, or
+// for a controller in another language a program of that language. The watchdog
 // only waits. When the worker ends, it reports how. When the simulation closes its end of the
 // socket, or the system closes it after a SIGKILL, the watchdog kills the worker and all processes
 // that the worker has started. The system kills the worker when the watchdog ends.
@@ -21,8 +22,9 @@ namespace cogrsim {
 /// The process of an isolated controller, as seen by the simulation.
 class ChildProcess {
  public:
-  /// Starts the program. Errors: the program is missing, or those of the operating system.
-  static Result<std::unique_ptr<ChildProcess>> start();
+  /// Starts the program. `command`: the worker's own program with its arguments; empty: the worker is
+  /// a fork of the watchdog. Errors: the program is missing, or those of the operating system.
+  static Result<std::unique_ptr<ChildProcess>> start(std::vector<std::string> command = {});
   ~ChildProcess();  ///< kills the remaining processes
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "cogrsim/plugin/source.h"
 #include "control/hosted_controller.h"
 #include "control/process/child_process.h"
 #include "control/process/proxy.h"
@@ -112,7 +113,9 @@ class Host {
   /// Loads the plugin; returns the error, if any.
   std::optional<std::string> load(const std::string& path, const std::string& shape,
                                   const ControllerModel& description) {
-    auto plugin = devices_->loader().load_from(path);
+    auto plugin = path.empty()
+                      ? devices_->loader().load(PluginKind::controller, description.plugin)
+                      : devices_->loader().load_from(path);
     if (!plugin) return "cannot be loaded in its process: " + plugin.error().text();
     plugin_ = *plugin;
     const PluginDescriptor& descriptor = plugin_->descriptor();
@@ -166,6 +169,8 @@ int serve_controller(CallChannel& channel) {
 
 }  // namespace
 
-int run_controller_host() { return watchdog::run(serve_controller); }
+int run_controller_host(char** command) { return watchdog::run(serve_controller, command); }
+
+int serve_isolated_controller() { return watchdog::serve_as_worker(serve_controller); }
 
 }  // namespace cogrsim

@@ -1,4 +1,4 @@
 // The program that runs controllers with isolation="process".
 #include "control/process/controller_host.h"
 
-int main() { return cogrsim::run_controller_host(); }
+int main(int, char** arguments) { return cogrsim::run_controller_host(arguments + 1); }

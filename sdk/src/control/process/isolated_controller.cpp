@@ -16,6 +16,7 @@
 #include "control/hosted_controller.h"
 #include "control/process/child_process.h"
 #include "control/process/proxy.h"
+#include "plugin/host_command.h"
 
 namespace cogrsim {
 
@@ -252,11 +253,13 @@ class IsolatedController final : public HostedController {
 Result<std::unique_ptr<HostedController>> make_isolated_controller(
     PluginPtr plugin, std::shared_ptr<AssemblyAccess> access, std::size_t controller,
     SceneForControllers& scene) {
+  std::vector<std::string> command;
   if (plugin->path().empty()) {
-    return fail("plugin '" + plugin->descriptor().name + "' is no library, and cannot run in a "
-                "process of its own", "", "leave isolation=\"process\" out");
+    auto host = host_command(plugin->descriptor().name);
+    if (!host) return tl::unexpected(host.error());
+    command = std::move(*host);
   }
-  auto process = ChildProcess::start();
+  auto process = ChildProcess::start(std::move(command));
   if (!process) return tl::unexpected(process.error());
   return std::make_unique<IsolatedController>(std::move(plugin), std::move(access), controller,
                                               scene, std::move(*process));

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <thread>
@@ -71,7 +72,8 @@ void report_end(CallChannel& channel, const ProcessEnd& end) {
 }
 
 /// Runs the worker; does not return.
-[[noreturn]] void be_worker(CallChannel& channel, pid_t watchdog_id, int (*serve)(CallChannel&)) {
+[[noreturn]] void be_worker(CallChannel& channel, pid_t watchdog_id, int (*serve)(CallChannel&),
+                            char** command) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != watchdog_id) ::_exit(1);  // the watchdog has already ended
   ::setpgid(0, 0);  // kill(0, …) in a controller must not kill the watchdog
@@ -79,19 +81,36 @@ void report_end(CallChannel& channel, const ProcessEnd& end) {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  if (*command) {
+    ::fcntl(kMemory, F_SETFD, 0);
+    ::execvp(*command, command);
+    std::fprintf(stderr, "cannot start '%s': %s\n", *command, std::strerror(errno));
+    ::_exit(127);
+  }
   // Line buffering, so that the output of a controller is not lost when it crashes.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   std::exit(serve(channel));
 }
 
+/// Whether the simulation has left these descriptors open.
+bool started_by_simulation(int file) {
+  if (::fcntl(file, F_GETFD) >= 0) return true;
+  std::fputs("this program is started by CogRSim, for controllers with isolation=\"process\"\n",
+             stderr);
+  return false;
+}
+
 }  // namespace
 
-int run(int (*serve)(CallChannel&)) {
-  if (::fcntl(kMemory, F_GETFD) < 0 || ::fcntl(kLink, F_GETFD) < 0) {
-    std::fputs("this program is started by CogRSim, for controllers with isolation=\"process\"\n",
-               stderr);
-    return 2;
-  }
+int serve_as_worker(int (*serve)(CallChannel&)) {
+  CallChannel channel;
+  if (!started_by_simulation(kMemory) || !channel.open(kMemory)) return 2;
+  ::fcntl(kMemory, F_SETFD, FD_CLOEXEC);
+  return serve(channel);
+}
+
+int run(int (*serve)(CallChannel&), char** command) {
+  if (!started_by_simulation(kMemory) || !started_by_simulation(kLink)) return 2;
   ::fcntl(kMemory, F_SETFD, FD_CLOEXEC);
   ::fcntl(kLink, F_SETFD, FD_CLOEXEC);
   ::syscall(SYS_close_range, kLink + 1, ~0U, 0U);  // inherited from the simulation
@@ -113,7 +132,7 @@ int run(int (*serve)(CallChannel&)) {
   }
   if (worker == 0) {
     ::close(signals);
-    be_worker(channel, own, serve);
+    be_worker(channel, own, serve, command);
   }
 
   bool over = false;

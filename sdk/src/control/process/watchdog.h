@@ -12,8 +12,11 @@ inline constexpr int kMemory = 3;
 inline constexpr int kLink = 4;
 inline constexpr int kFirstFree = 10;
 
-/// Starts the worker, which calls `serve` and ends with its return value, and waits for its end.
-/// Returns the exit code.
-int run(int (*serve)(CallChannel&));
+/// Starts the worker, and waits for its end. The worker calls `serve` and ends with its return value,
+/// or becomes the program of `command`, which ends with a nullptr. Returns the exit code.
+int run(int (*serve)(CallChannel&), char** command);
+
+/// What such a program does: calls `serve` and returns its value; 2: it was not started as a worker.
+int serve_as_worker(int (*serve)(CallChannel&));
 
 }  // namespace cogrsim::watchdog
