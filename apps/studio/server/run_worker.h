@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -22,6 +23,12 @@ class Worker {
     std::lock_guard lock(mutex_);
     jobs_.put(client, role, std::move(job));
     waiting_.notify_one();
+  }
+  /// Jobs of this viewer that have not begun are dropped.
+  void forget_viewer(ClientId client) {
+    std::deque<std::function<void()>> forgotten;  // destroyed without the lock
+    const std::lock_guard lock(mutex_);
+    forgotten = jobs_.forget_viewer(client);
   }
   /// Jobs that have not begun are dropped.
   void stop() {

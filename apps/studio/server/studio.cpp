@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "protocol.h"
-#include "turns.h"
+#include "run_worker.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -70,8 +68,6 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     std::string text;
   };
   std::mutex mutex;  // guards what follows
-  std::condition_variable news;
-  Turns<Event> events;
   struct Load {
     Role role = Role::viewer;
     std::size_t requests = 0, bytes = 0;
@@ -79,13 +75,13 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
   std::map<ClientId, Load> loads;  // of the present clients
   bool ending = false;
 
-  // Of the dispatcher's thread.
+  // Used on the dispatcher's thread only.
   struct Client {
     Role role = Role::viewer;
     bool greeted = false;
   };
   std::map<ClientId, Client> clients;
-  std::thread dispatcher;
+  Worker dispatcher;
 
   Impl(StudioInfo about, std::vector<Part*> all, std::function<std::string(std::size_t)> assets,
        Outbox& out, Limits bounds)
@@ -96,23 +92,10 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
         limits(bounds) {}
 
   void put(Event event) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      events.put(event.client, event.role, std::move(event));
-    }
-    news.notify_one();
-  }
-
-  void dispatch() {
-    std::unique_lock<std::mutex> lock(mutex);
-    while (true) {
-      news.wait(lock, [this] { return ending || !events.empty(); });
-      if (ending) return;
-      Event event = events.take();
-      lock.unlock();
-      take(std::move(event));
-      lock.lock();
-    }
+    const ClientId client = event.client;
+    const Role role = event.role;
+    dispatcher.post(client, role,
+                    [this, event = std::move(event)]() mutable { take(std::move(event)); });
   }
 
   void take(Event event) {
@@ -272,9 +255,7 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
 Studio::Studio(StudioInfo info, std::vector<Part*> parts,
                std::function<std::string(std::size_t)> asset, Outbox& outbox, Limits limits)
     : impl_(std::make_shared<Impl>(std::move(info), std::move(parts), std::move(asset), outbox,
-                                   limits)) {
-  impl_->dispatcher = std::thread([impl = impl_.get()] { impl->dispatch(); });
-}
+                                   limits)) {}
 
 Studio::Studio(StudioInfo info, std::vector<Part*> parts,
                std::function<std::string(std::size_t)> asset, Outbox& outbox)
@@ -285,8 +266,7 @@ Studio::~Studio() {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
     impl_->ending = true;
   }
-  impl_->news.notify_one();
-  impl_->dispatcher.join();
+  impl_->dispatcher.stop();
 }
 
 void Studio::joined(ClientId client, Role role) {
@@ -306,7 +286,7 @@ void Studio::left(ClientId client) {
     role = load->second.role;
     impl_->loads.erase(load);
     // The answers are not needed, and a client that reconnects may send as many requests as before.
-    impl_->events.forget_viewer(client);
+    impl_->dispatcher.forget_viewer(client);
   }
   impl_->put({Impl::Event::Kind::left, client, role, {}});
 }
