@@ -47,28 +47,28 @@ class BestFirst : public HeldGrid {
     std::vector<cogrsim::Grid::Step> steps;
     cogrsim::GridPath path;
     const int from = grid_.index(start), to = grid_.index(goal);
-    best[static_cast<std::size_t>(from)] = 0.0;
+    best[from] = 0.0;
     open.push({least_left(start), 0.0, from});
     while (!open.empty()) {
       const Entry entry = open.top();
       open.pop();
       // A better path to it was found after it had been queued.
-      if (entry.so_far > best[static_cast<std::size_t>(entry.cell)]) continue;
+      if (entry.so_far > best[entry.cell]) continue;
       if (entry.cell == to) break;
       ++path.expanded;
       grid_.steps(entry.cell, steps);
       for (const cogrsim::Grid::Step& step : steps) {
         const double cost = entry.so_far + step.cost;
-        double& known = best[static_cast<std::size_t>(step.to)];
+        double& known = best[step.to];
         if (!(cost < known)) continue;
         known = cost;
-        before[static_cast<std::size_t>(step.to)] = entry.cell;
+        before[step.to] = entry.cell;
         open.push({cost + least_left(grid_.cell(step.to)), cost, step.to});
       }
     }
-    path.cost = best[static_cast<std::size_t>(to)];
+    path.cost = best[to];
     if (path.cost == cogrsim::kBlocked) return no_path(start, goal);
-    for (int cell = to; cell >= 0; cell = before[static_cast<std::size_t>(cell)]) {
+    for (int cell = to; cell >= 0; cell = before[cell]) {
       path.cells.push_back(grid_.cell(cell));
     }
     std::reverse(path.cells.begin(), path.cells.end());

@@ -19,7 +19,7 @@ class BreadthFirst final : public HeldGrid {
     }
     constexpr int kUnseen = -2, kFirst = -1;
     std::vector<int> before(static_cast<std::size_t>(grid_.size()), kUnseen);
-    const auto seen_from = [&](int cell) -> int& { return before[static_cast<std::size_t>(cell)]; };
+    const auto seen_from = [&](int cell) -> int& { return before[cell]; };
     std::vector<int> queue{grid_.index(start)};
     std::vector<cogrsim::Grid::Step> steps;
     cogrsim::GridPath path;

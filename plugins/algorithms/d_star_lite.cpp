@@ -91,7 +91,7 @@ class DStarLite final : public HeldGrid {
     bool queued = false;
   };
 
-  Vertex& at(int cell) { return vertices_[static_cast<std::size_t>(cell)]; }
+  Vertex& at(int cell) { return vertices_[cell]; }
 
   void changed(int row_from, int row_to, int column_from, int column_to) {
     if (goal_ < 0) return;

@@ -71,7 +71,7 @@ class Tabular : public cogrsim::Learner {
     const auto equal = static_cast<int>(std::count(row.values.begin(), row.values.end(), best));
     int left = equal > 1 ? lot(equal) : 0;
     for (int action = 0;; ++action) {
-      if (row.values[static_cast<std::size_t>(action)] == best && left-- == 0) return action;
+      if (row.values[action] == best && left-- == 0) return action;
     }
   }
 

@@ -52,14 +52,14 @@ bool passable(const Grid& grid, const Cell& from, Action action) {
 std::vector<int> steps_to(const Grid& grid, const Cell& end, int without) {
   std::vector<int> steps(static_cast<std::size_t>(grid.size()), -1);
   std::vector<int> line{grid.index(end)};
-  steps[static_cast<std::size_t>(line.front())] = 0;
+  steps[line.front()] = 0;
   std::vector<Grid::Step> next;
   for (std::size_t i = 0; i < line.size(); ++i) {
     grid.steps(line[i], next);
     for (const Grid::Step& step : next) {
-      int& there = steps[static_cast<std::size_t>(step.to)];
+      int& there = steps[step.to];
       if (there >= 0 || step.to == without) continue;
-      there = steps[static_cast<std::size_t>(line[i])] + 1;
+      there = steps[line[i]] + 1;
       line.push_back(step.to);
     }
   }
@@ -72,7 +72,7 @@ std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, cons
   // Cost of a cell without which there is no path: more than any detour in a maze of this size.
   const int no_path = grid.size();
   const std::vector<int> steps = steps_to(grid, end, -1);
-  const auto to_go = [&](int cell) { return steps[static_cast<std::size_t>(cell)]; };
+  const auto to_go = [&](int cell) { return steps[cell]; };
   std::vector<int> near;  // cells on shortest paths, the nearest to the end first
   for (int i = 0; i < grid.size(); ++i) {
     if (to_go(i) >= 0 && to_go(i) <= to_go(grid.index(at))) near.push_back(i);
@@ -82,10 +82,10 @@ std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, cons
   std::vector<int> risk(static_cast<std::size_t>(grid.size()), 0);
   const auto risk_by = [&](int from, int over) {
     if (over == grid.index(end)) return 0;
-    auto& detour = around[static_cast<std::size_t>(over)];
+    auto& detour = around[over];
     if (detour.empty()) detour = steps_to(grid, end, over);
-    const int then = detour[static_cast<std::size_t>(from)];
-    return (then < 0 ? no_path : then - to_go(from)) + risk[static_cast<std::size_t>(over)];
+    const int then = detour[from];
+    return (then < 0 ? no_path : then - to_go(from)) + risk[over];
   };
   std::vector<std::pair<Action, int>> out;
   std::vector<Grid::Step> next;
@@ -100,7 +100,7 @@ std::vector<std::pair<Action, int>> risks(const Grid& grid, const Cell& at, cons
       if (grid.cell(cell) != at) continue;
       if (const auto action = action_between(at, grid.cell(step.to))) out.push_back({*action, by});
     }
-    risk[static_cast<std::size_t>(cell)] = least;
+    risk[cell] = least;
   }
   return out;
 }
@@ -207,7 +207,7 @@ std::optional<Action> LearnerPolicy::choose(Errand errand, const Cell& at, std::
     return std::nullopt;
   }
   // A learner that visits the same cell repeatedly has learnt too little, so it rehearses again.
-  int& visits = map.visits[static_cast<std::size_t>(index)];
+  int& visits = map.visits[index];
   if (++visits % 3 == 0) rehearse(errand, rehearsal_.again);
   return static_cast<Action>(decide(errand, at, false));
 }

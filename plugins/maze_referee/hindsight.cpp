@@ -38,7 +38,7 @@ std::optional<int> fewest_steps(const cogrsim::MazeModel& maze, const Task& task
   const auto cells = static_cast<std::size_t>(grids[0].size());
   std::vector<double> blocked_from(cells, cogrsim::kBlocked);
   for (const Cube& cube : cubes) {
-    double& since = blocked_from[static_cast<std::size_t>(grids[0].index(cube.cell))];
+    double& since = blocked_from[grids[0].index(cube.cell)];
     since = std::min(since, cube.since);
   }
 
@@ -70,7 +70,7 @@ std::optional<int> fewest_steps(const cogrsim::MazeModel& maze, const Task& task
             time = std::min(time, now[state(errand, from, heading)] + turning(pace, heading, side));
           }
           time += pace.step;
-          if (!(time < blocked_from[static_cast<std::size_t>(*to)])) continue;
+          if (!(time < blocked_from[*to])) continue;
           const bool done = errand == 1 || grid.cell(*to) == task.trigger;
           if (done && *to == goal) return count;
           double& best = next[state(done ? 1 : 0, *to, side)];

@@ -187,14 +187,14 @@ void MazeReferee::watch_model(const cogrsim::SceneModelPtr& model) {
   const std::vector<int> own = cogrsim::bodies_of(*model, robot);
   if (own.empty()) throw std::runtime_error("'" + robot_ + "' has no body");
   base_ = own.front();
-  for (const int body : own) parts_[static_cast<std::size_t>(body)] = Part::robot;
+  for (const int body : own) parts_[body] = Part::robot;
   balls_.clear();
   for (const Obstacle& obstacle : obstacles_) {
     const int assembly = cogrsim::find_assembly(*model, obstacle.name);
     if (assembly < 0) continue;
     for (const int body : cogrsim::bodies_of(*model, assembly)) {
       if (obstacle.cube) {
-        parts_[static_cast<std::size_t>(body)] = Part::cube;
+        parts_[body] = Part::cube;
       } else {
         balls_.push_back(body);
       }
@@ -220,8 +220,8 @@ cogrsim::Side MazeReferee::heading_of(const cogrsim::Quat& q) const {
 }
 
 void MazeReferee::follow_robot(const Frame& frame, SupervisorContext& context) {
-  const Vec3 position = frame.state.poses[static_cast<std::size_t>(base_)].p;
-  if (!started_) pace_.heading = heading_of(frame.state.poses[static_cast<std::size_t>(base_)].q);
+  const Vec3 position = frame.state.poses[base_].p;
+  if (!started_) pace_.heading = heading_of(frame.state.poses[base_].q);
   if (started_) path_ += (position - last_).head<2>().norm();
   started_ = true;
   last_ = position;
@@ -235,9 +235,7 @@ void MazeReferee::follow_robot(const Frame& frame, SupervisorContext& context) {
 }
 
 void MazeReferee::count_touches(const Frame& frame) {
-  const auto part = [&](int body) {
-    return body < 0 ? Part::none : parts_[static_cast<std::size_t>(body)];
-  };
+  const auto part = [&](int body) { return body < 0 ? Part::none : parts_[body]; };
   const bool touching =
       std::any_of(frame.contacts.begin(), frame.contacts.end(), [&](const cogrsim::Contact& c) {
         const Part a = part(c.body_a), b = part(c.body_b);
@@ -259,8 +257,8 @@ bool MazeReferee::fits(const Frame& frame, const Obstacle& obstacle, const Cell&
     if (one.cube) all.push_back({one.cell, one.time});
   }
   for (const int ball : balls_) {
-    if (model_->bodies[static_cast<std::size_t>(ball)].removed) continue;
-    const auto there = cogrsim::cell_at(maze_, frame.state.poses[static_cast<std::size_t>(ball)].p);
+    if (model_->bodies[ball].removed) continue;
+    const auto there = cogrsim::cell_at(maze_, frame.state.poses[ball].p);
     if (there && *there == cell) return false;
   }
   if (!obstacle.cube) return true;

@@ -75,7 +75,7 @@ class Reflectance final : public cogrsim::Sensor {
     cogrsim::Pose X_WS = X_BS_;
     ignored_.clear();
     if (body_ != cogrsim::kWorld) {
-      X_WS = context.frame().state.poses[static_cast<std::size_t>(body_)] * X_BS_;
+      X_WS = context.frame().state.poses[body_] * X_BS_;
       ignored_.push_back(body_);
     }
     rays_.resize(starts_.size());

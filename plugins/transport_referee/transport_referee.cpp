@@ -139,12 +139,12 @@ void TransportReferee::watch_model(const cogrsim::SceneModelPtr& model) {
     const int assembly = cogrsim::find_assembly(*model, robot.name);
     if (assembly < 0) throw std::runtime_error("'" + robot.name + "' was removed");
     for (const int body : cogrsim::bodies_of(*model, assembly)) {
-      owner_[static_cast<std::size_t>(body)] = static_cast<char>(i);
+      owner_[body] = static_cast<char>(i);
     }
     // A held box counts as part of the robot.
     const int joint = cogrsim::find_joint(*model, robot.joint);
-    robot.carries = joint < 0 ? -1 : model->joints[static_cast<std::size_t>(joint)].child;
-    if (robot.carries >= 0) owner_[static_cast<std::size_t>(robot.carries)] = static_cast<char>(i);
+    robot.carries = joint < 0 ? -1 : model->joints[joint].child;
+    if (robot.carries >= 0) owner_[robot.carries] = static_cast<char>(i);
   }
 }
 
@@ -159,27 +159,24 @@ void TransportReferee::work_hands(const Frame& frame, SupervisorContext& context
     return;
   }
   const auto& poses = frame.state.poses;
-  const cogrsim::Vec3 hand =
-      poses[static_cast<std::size_t>(cogrsim::find_body(*model_, robot.fork))].p;
+  const cogrsim::Vec3 hand = poses[cogrsim::find_body(*model_, robot.fork)].p;
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (const int box : boxes_) {
-    const double away = (poses[static_cast<std::size_t>(box)].p - hand).norm();
-    if (owner_[static_cast<std::size_t>(box)] < 0 && away < least) nearest = box, least = away;
+    const double away = (poses[box].p - hand).norm();
+    if (owner_[box] < 0 && away < least) nearest = box, least = away;
   }
   if (nearest < 0) return;
   cogrsim::Attach attach;
   attach.name = robot.joint;
   attach.parent = robot.fork;
-  attach.child = model_->bodies[static_cast<std::size_t>(nearest)].name;
+  attach.child = model_->bodies[nearest].name;
   attach.reach = reach_;
   context.send(attach);
 }
 
 void TransportReferee::count_collisions(const Frame& frame) {
-  const auto owner = [&](int body) {
-    return body < 0 ? -1 : static_cast<int>(owner_[static_cast<std::size_t>(body)]);
-  };
+  const auto owner = [&](int body) { return body < 0 ? -1 : static_cast<int>(owner_[body]); };
   const bool touching =
       std::any_of(frame.contacts.begin(), frame.contacts.end(), [&](const cogrsim::Contact& c) {
         const int a = owner(c.body_a), b = owner(c.body_b);
@@ -191,9 +188,8 @@ void TransportReferee::count_collisions(const Frame& frame) {
 
 int TransportReferee::count_delivered(const Frame& frame) const {
   return static_cast<int>(std::count_if(boxes_.begin(), boxes_.end(), [&](int box) {
-    if (owner_[static_cast<std::size_t>(box)] >= 0) return false;  // still held
-    const cogrsim::Vec3 p =
-        zone_.X_BR.inverse() * frame.state.poses[static_cast<std::size_t>(box)].p;
+    if (owner_[box] >= 0) return false;  // still held
+    const cogrsim::Vec3 p = zone_.X_BR.inverse() * frame.state.poses[box].p;
     return (p.cwiseAbs().array() <= 0.5 * zone_.size.array()).all();
   }));
 }

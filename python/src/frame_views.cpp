@@ -36,21 +36,19 @@ py::array vector_view(const Element& e, const Vec3& v) {
 }
 
 py::object position(const Element& e) {
-  if (e.body >= 0) return vector_view(e, e.frame->state.poses[static_cast<std::size_t>(e.body)].p);
+  if (e.body >= 0) return vector_view(e, e.frame->state.poses[e.body].p);
   if (has_pose(e)) return triple(e, {"x", "y", "z"});
   return py::float_(quantity(e, "position"));
 }
 
 py::object velocity(const Element& e) {
-  if (e.body >= 0)
-    return vector_view(e, e.frame->state.twists[static_cast<std::size_t>(e.body)].linear);
+  if (e.body >= 0) return vector_view(e, e.frame->state.twists[e.body].linear);
   if (has_pose(e)) return triple(e, {"vx", "vy", "vz"});
   return py::float_(quantity(e, "velocity"));
 }
 
 py::object angular_velocity(const Element& e) {
-  if (e.body >= 0)
-    return vector_view(e, e.frame->state.twists[static_cast<std::size_t>(e.body)].angular);
+  if (e.body >= 0) return vector_view(e, e.frame->state.twists[e.body].angular);
   return triple(e, {"wx", "wy", "wz"});
 }
 
@@ -61,7 +59,7 @@ py::object orientation(const Element& e) {
         "' has no orientation here; roll, pitch and yaw are signals of bodies, "
         "assemblies and frames");
   }
-  const Quat& q = e.frame->state.poses[static_cast<std::size_t>(e.body)].q;
+  const Quat& q = e.frame->state.poses[e.body].q;
   return owned({q.w(), q.x(), q.y(), q.z()}, {4});
 }
 
@@ -79,9 +77,7 @@ struct PyReading {
   std::size_t index = 0;
   const Reading& operator*() const { return frame->readings[index]; }
   const Reading* operator->() const { return &frame->readings[index]; }
-  const SensorModel& sensor() const {
-    return frame->model->sensors[static_cast<std::size_t>(frame->readings[index].sensor)];
-  }
+  const SensorModel& sensor() const { return frame->model->sensors[frame->readings[index].sensor]; }
   const std::vector<Channel>* channels() const {
     const auto i = static_cast<std::size_t>(frame->readings[index].sensor);
     return frame->channels && i < frame->channels->size() ? (*frame->channels)[i].get() : nullptr;

@@ -106,7 +106,7 @@ py::dict body_info(const Scene& scene, const std::string& name) {
 
 py::dict motor_info(const Scene& scene, const std::string& name) {
   const Motor& motor = scene.model->motors[index_of(scene.model->motors, "motor", name)];
-  const Joint& joint = scene.model->joints[static_cast<std::size_t>(motor.joint)];
+  const Joint& joint = scene.model->joints[motor.joint];
   py::dict out;
   out["name"] = motor.name;
   out["joint"] = joint.name;

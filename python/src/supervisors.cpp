@@ -146,7 +146,7 @@ class PySensorModel final : public Sensor {
       instance_ = hold((*class_->type)());
       py::dict info, values;
       const auto name_at = [](const auto& elements, int index) {
-        return index < 0 ? std::string() : elements[static_cast<std::size_t>(index)].name;
+        return index < 0 ? std::string() : elements[index].name;
       };
       info["name"] = sensor.name;
       info["body"] = name_at(model.bodies, sensor.body);

@@ -37,9 +37,7 @@ struct Landscape {
     north = costs(walls, 2.0);
   }
 
-  static double at(const Matrix& matrix, int row, int column) {
-    return matrix[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-  }
+  static double at(const Matrix& matrix, int row, int column) { return matrix[row][column]; }
 
   Grid grid(GridMoves moves) const {
     Grid out(rows, columns, moves);
@@ -85,8 +83,7 @@ struct Landscape {
           for (int right = -1; right <= 1; ++right) {
             if ((up == 0 && right == 0) || (!diagonal && up != 0 && right != 0)) continue;
             const double cost = step(r, c, up, right, unit);
-            if (std::isfinite(cost))
-              d[i][static_cast<std::size_t>((r + up) * columns + c + right)] = cost;
+            if (std::isfinite(cost)) d[i][(r + up) * columns + c + right] = cost;
           }
         }
       }
@@ -130,8 +127,7 @@ TEST_CASE("grid planners find the cheapest path between any two cells", "[algori
       const int from = draw(random, land.rows * land.columns);
       const int to = draw(random, land.rows * land.columns);
       const Cell start = planner->grid().cell(from), goal = planner->grid().cell(to);
-      const double shortest =
-          distances[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
+      const double shortest = distances[from][to];
       const auto path = planner->plan(start, goal);
       const bool blocked =
           std::isinf(planner->grid().cost(start)) || std::isinf(planner->grid().cost(goal));
@@ -159,7 +155,7 @@ TEST_CASE("breadth-first finds the fewest steps", "[algorithms][grid]") {
       const int from = draw(random, 56), to = draw(random, 56);
       const Cell start = planner->grid().cell(from), goal = planner->grid().cell(to);
       const auto path = planner->plan(start, goal);
-      const double fewest = steps[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
+      const double fewest = steps[from][to];
       if (!path) {
         CHECK((std::isinf(fewest) || from == to));
         continue;
@@ -214,8 +210,7 @@ TEST_CASE("D* Lite stays optimal while the grid changes and expands less", "[alg
     for (int change = 0; change < 3; ++change) {
       Cell cell{draw(random, size - 1), draw(random, size - 1)};
       if (!ahead.empty() && random.uniform() < 0.5) {  // where it matters
-        const Cell near =
-            ahead[static_cast<std::size_t>(draw(random, static_cast<int>(ahead.size())))];
+        const Cell near = ahead[draw(random, static_cast<int>(ahead.size()))];
         cell = {std::min(near.row, size - 2), std::min(near.column, size - 2)};
       }
       // Cells never block, so that start and goal stay possible; some get cheaper than all others.

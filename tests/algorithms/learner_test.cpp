@@ -90,7 +90,7 @@ struct SmallProcess {
         for (std::size_t a = 0; a < 2; ++a) {
           next[s][a] = 0.0;
           for (const Outcome& o : kOutcomes[s][a]) {
-            const auto& row = q[static_cast<std::size_t>(o.next)];
+            const auto& row = q[o.next];
             const double worth =
                 (1.0 - lot) * std::max(row[0], row[1]) + lot * 0.5 * (row[0] + row[1]);
             next[s][a] += o.chance * (o.reward + discount * worth);
@@ -170,8 +170,7 @@ TEST_CASE("learners converge to the values of a small process", "[algorithms][le
   std::int64_t state = 0;
   int action = *learner->choose(state, 2, true);
   for (int i = 0; i < 400000; ++i) {
-    const auto& outcomes =
-        SmallProcess::kOutcomes[static_cast<std::size_t>(state)][static_cast<std::size_t>(action)];
+    const auto& outcomes = SmallProcess::kOutcomes[state][action];
     const auto& outcome = world.uniform() < outcomes[0].chance ? outcomes[0] : outcomes[1];
     Experience experience{state, action, outcome.reward, outcome.next, false, -1};
     experience.next_action = *learner->choose(outcome.next, 2, true);
@@ -185,7 +184,7 @@ TEST_CASE("learners converge to the values of a small process", "[algorithms][le
   for (int s = 0; s < 2; ++s) {
     for (int a = 0; a < 2; ++a) {
       INFO(name << " state " << s << " action " << a);
-      const double known = expected[static_cast<std::size_t>(s)][static_cast<std::size_t>(a)];
+      const double known = expected[s][a];
       CHECK(learner->value(s, a) == Approx(known).margin(0.25));
     }
   }

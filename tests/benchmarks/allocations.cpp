@@ -153,7 +153,7 @@ AllocationReport stop_counting_allocations() {
     bool judged = false;
     // The first two frames are note() and the function that calls it.
     for (int i = 2; i < way.depth; ++i) {
-      void* const address = way.frames[static_cast<std::size_t>(i)];
+      void* const address = way.frames[i];
       Dl_info info;
       if (!dladdr(address, &info) || !info.dli_fname) continue;
       const std::string library = base_name(info.dli_fname);

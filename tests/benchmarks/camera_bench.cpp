@@ -44,7 +44,7 @@ class OurCamera final : public CameraRunner {
     const auto color = [&](double r, double g, double b) {
       const int material =
           builder.material(fmt::format("m{}", builder.model.materials.size()), 0.5);
-      builder.model.materials[static_cast<std::size_t>(material)].color = {r, g, b, 1.0};
+      builder.model.materials[material].color = {r, g, b, 1.0};
       return material;
     };
     for (int i = 0; i < scene.shapes; ++i) {
@@ -74,8 +74,7 @@ class OurCamera final : public CameraRunner {
 
   void take(int frame) override {
     for (int i = 0; i < scene_.shapes; ++i) {
-      frame_.state.poses[static_cast<std::size_t>(i)].p.z() =
-          place_of(i, scene_.shapes).z() + height_at(i, frame);
+      frame_.state.poses[i].p.z() = place_of(i, scene_.shapes).z() + height_at(i, frame);
     }
     Result<std::vector<Picture>> taken = renderer_->render(frame_, {request_});
     if (!taken) {

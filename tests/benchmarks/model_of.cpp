@@ -111,8 +111,7 @@ class Translator {
       shape.collides = scene_.contact;
       builder_.add_shape(body, shape, 0.0);
     }
-    builder_.model.bodies[static_cast<std::size_t>(body)].V_WB = {vector(thing.velocity),
-                                                                  vector(thing.spin)};
+    builder_.model.bodies[body].V_WB = {vector(thing.velocity), vector(thing.spin)};
   }
 
   void add(const Hinge& hinge) {
@@ -120,16 +119,16 @@ class Translator {
     const std::string name = "j" + std::to_string(builder_.model.joints.size());
     const int parent = hinge.parent < 0 ? kWorld : hinge.parent;
     const int joint = builder_.joint(name, JointType::hinge, parent, hinge.child, X_WJ);
-    Joint& held = builder_.model.joints[static_cast<std::size_t>(joint)];
+    Joint& held = builder_.model.joints[joint];
     for (const bool of_parent : {true, false}) {
       const int body = of_parent ? held.parent : held.child;
       Pose& X_BJ = of_parent ? held.X_PF : held.X_CM;
       if (!world_anchors_ || body == kWorld || X_BJ.p.isZero(0.0)) continue;
-      round_to(builder_.model.bodies[static_cast<std::size_t>(body)].X_WB, X_WJ.p, X_BJ);
+      round_to(builder_.model.bodies[body].X_WB, X_WJ.p, X_BJ);
     }
     if (!hinge.driven) return;
     const int motor = builder_.motor(name + ".motor", joint, MotorMode::velocity);
-    Motor& made = builder_.model.motors[static_cast<std::size_t>(motor)];
+    Motor& made = builder_.model.motors[motor];
     made.target = hinge.speed;
     made.max_effort = hinge.max_torque;
   }
@@ -152,7 +151,7 @@ class Translator {
     for (std::size_t j = 0; j < scene_.hinges.size(); ++j) {
       const Hinge& hinge = scene_.hinges[j];
       const auto child = static_cast<std::size_t>(hinge.child);
-      if (hinge.parent >= 0) root[child] = root[static_cast<std::size_t>(hinge.parent)];
+      if (hinge.parent >= 0) root[child] = root[hinge.parent];
       const auto of = static_cast<std::size_t>(root[child]);
       if (bodies[of].empty()) bodies[of].push_back(root[child]);
       if (root[child] != hinge.child) bodies[of].push_back(hinge.child);

@@ -69,7 +69,7 @@ class Rigid final : public Runner {
   void look() {
     seen_ = 0;
     for (const Eye& eye : scene_.eyes) {
-      const btRigidBody& body = *bodies_[static_cast<std::size_t>(eye.thing)];
+      const btRigidBody& body = *bodies_[eye.thing];
       const btTransform& X = body.getWorldTransform();
       const btVector3 from = X * vector(eye.at);
       const btVector3 to = from + X.getBasis() * vector(eye.along) * scene_.eye_range;
@@ -153,7 +153,7 @@ class Rigid final : public Runner {
     bodies_.push_back(std::move(body));
   }
 
-  const Thing& thing(int index) const { return scene_.things[static_cast<std::size_t>(index)]; }
+  const Thing& thing(int index) const { return scene_.things[index]; }
 
   /// The frame whose z is the hinge's axis, in a body's own axes; numbers that a user of Bullet
   /// would bring along. Eigen's rounding is that of the project's models, which hold such frames,
@@ -172,9 +172,9 @@ class Rigid final : public Runner {
 
   /// Both bodies hold the same frame.
   void add(const Hinge& hinge) {
-    btRigidBody& parent = hinge.parent < 0 ? btTypedConstraint::getFixedBody()
-                                           : *bodies_[static_cast<std::size_t>(hinge.parent)];
-    btRigidBody& child = *bodies_[static_cast<std::size_t>(hinge.child)];
+    btRigidBody& parent =
+        hinge.parent < 0 ? btTypedConstraint::getFixedBody() : *bodies_[hinge.parent];
+    btRigidBody& child = *bodies_[hinge.child];
     auto made = std::make_unique<btHingeConstraint>(
         parent, child,
         hinge.parent < 0 ? frame_in(Thing(), hinge) : frame_in(thing(hinge.parent), hinge),

@@ -91,8 +91,7 @@ std::string describe(const Scene& scene) {
   for (std::size_t i = 0; i < count; ++i) model_of[i] = static_cast<int>(i);
   for (const Hinge& hinge : scene.hinges) {
     if (hinge.parent >= 0) {
-      model_of[static_cast<std::size_t>(hinge.child)] =
-          model_of[static_cast<std::size_t>(hinge.parent)];
+      model_of[hinge.child] = model_of[hinge.parent];
     }
   }
   std::string out =
@@ -100,11 +99,11 @@ std::string describe(const Scene& scene) {
                   scene.gravity[0], scene.gravity[1], scene.gravity[2]);
   std::vector<std::string> models(count);
   for (std::size_t i = 0; i < count; ++i) {
-    models[static_cast<std::size_t>(model_of[i])] += link(scene, i);
+    models[model_of[i]] += link(scene, i);
   }
   for (std::size_t j = 0; j < scene.hinges.size(); ++j) {
     const Hinge& hinge = scene.hinges[j];
-    const Thing& child = scene.things[static_cast<std::size_t>(hinge.child)];
+    const Thing& child = scene.things[hinge.child];
     const ignition::math::Quaterniond q(child.turn[0], child.turn[1], child.turn[2], child.turn[3]);
     const ignition::math::Vector3d to(hinge.anchor[0] - child.place[0],
                                       hinge.anchor[1] - child.place[1],
@@ -112,15 +111,14 @@ std::string describe(const Scene& scene) {
     const ignition::math::Vector3d axis =
         q.RotateVectorReverse({hinge.axis[0], hinge.axis[1], hinge.axis[2]});
     const ignition::math::Vector3d at = q.RotateVectorReverse(to);
-    models[static_cast<std::size_t>(model_of[static_cast<std::size_t>(hinge.child)])] +=
-        fmt::format(
-            "<joint name=\"j{}\" type=\"revolute\"><pose>{} {} {} 0 0 0</pose><parent>{}</parent>"
-            "<child>t{}</child><axis><xyz>{} {} {}</xyz><limit><lower>-1e16</lower>"
-            "<upper>1e16</upper>{}</limit></axis></joint>\n",
-            j, at.X(), at.Y(), at.Z(),
-            hinge.parent < 0 ? std::string("world") : fmt::format("t{}", hinge.parent), hinge.child,
-            axis.X(), axis.Y(), axis.Z(),
-            hinge.driven ? fmt::format("<effort>{}</effort>", hinge.max_torque) : std::string());
+    models[model_of[hinge.child]] += fmt::format(
+        "<joint name=\"j{}\" type=\"revolute\"><pose>{} {} {} 0 0 0</pose><parent>{}</parent>"
+        "<child>t{}</child><axis><xyz>{} {} {}</xyz><limit><lower>-1e16</lower>"
+        "<upper>1e16</upper>{}</limit></axis></joint>\n",
+        j, at.X(), at.Y(), at.Z(),
+        hinge.parent < 0 ? std::string("world") : fmt::format("t{}", hinge.parent), hinge.child,
+        axis.X(), axis.Y(), axis.Z(),
+        hinge.driven ? fmt::format("<effort>{}</effort>", hinge.max_torque) : std::string());
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (models[i].empty()) continue;

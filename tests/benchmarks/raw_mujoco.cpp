@@ -149,7 +149,7 @@ std::string describe(const Scene& scene) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (joint[i] && joint[i]->parent >= 0) {
-      children[static_cast<std::size_t>(joint[i]->parent)].push_back(i);
+      children[joint[i]->parent].push_back(i);
     } else if (scene.things[i].mass > 0) {
       roots.push_back(i);
     }
@@ -269,7 +269,7 @@ class MujocoRunner final : public Runner {
   void look() {
     seen_ = 0;
     for (const Eye& eye : scene_.eyes) {
-      const int body = bodies_[static_cast<std::size_t>(eye.thing)];
+      const int body = bodies_[eye.thing];
       mjtNum from[3], along[3];
       mju_rotVecMat(from, eye.at.data(), data_->xmat + 9 * body);
       mju_addTo3(from, data_->xpos + 3 * body);

@@ -104,7 +104,7 @@ class OdeRunner final : public Runner {
   void look() {
     seen_ = 0;
     for (const Eye& eye : scene_.eyes) {
-      const dBodyID body = bodies_[static_cast<std::size_t>(eye.thing)];
+      const dBodyID body = bodies_[eye.thing];
       dVector3 from, along;
       dBodyGetRelPointPos(body, eye.at[0], eye.at[1], eye.at[2], from);
       dBodyVectorToWorld(body, eye.along[0], eye.along[1], eye.along[2], along);
@@ -164,8 +164,7 @@ class OdeRunner final : public Runner {
 
   void add(const Hinge& hinge) {
     const dJointID joint = dJointCreateHinge(world_, nullptr);
-    dJointAttach(joint, bodies_[static_cast<std::size_t>(hinge.child)],
-                 hinge.parent < 0 ? nullptr : bodies_[static_cast<std::size_t>(hinge.parent)]);
+    dJointAttach(joint, bodies_[hinge.child], hinge.parent < 0 ? nullptr : bodies_[hinge.parent]);
     dJointSetHingeAnchor(joint, hinge.anchor[0], hinge.anchor[1], hinge.anchor[2]);
     dJointSetHingeAxis(joint, hinge.axis[0], hinge.axis[1], hinge.axis[2]);
     if (!hinge.driven) return;

@@ -39,8 +39,7 @@ SceneModelPtr scene() {
   for (int i = 0; i < kBodies; ++i) {
     const Pose X(Vec3(0.5 * (i % 32), 0.5 * (i / 32), 0.1), Quat(1, 0, 0, 0));
     const int body = builder.sphere(fmt::format("sphere_{}", i), 0.1, 1.0, X);
-    builder.model.bodies[static_cast<std::size_t>(body)].V_WB.linear =
-        Vec3(0.1 + 0.01 * (i % 7), 0.05 + 0.01 * (i % 11), 0);
+    builder.model.bodies[body].V_WB.linear = Vec3(0.1 + 0.01 * (i % 7), 0.05 + 0.01 * (i % 11), 0);
   }
   return builder.build();
 }

@@ -50,9 +50,7 @@ AxisRig::AxisRig(const AxisKind& axis_kind) : kind(axis_kind) {
   }
 }
 
-JointAxis& AxisRig::axis() {
-  return builder.model.joints[0].axes[static_cast<std::size_t>(kind.axis)];
-}
+JointAxis& AxisRig::axis() { return builder.model.joints[0].axes[kind.axis]; }
 
 void AxisRig::start_speed(double u) {
   Joint& j = builder.model.joints[0];
@@ -61,9 +59,9 @@ void AxisRig::start_speed(double u) {
   std::vector<double> speeds(static_cast<std::size_t>(speed_count(kind.type)), 0.0);
   if (kind.type == JointType::ball) {
     q[0] = 1.0;
-    for (int i = 0; i < 3; ++i) speeds[static_cast<std::size_t>(i)] = u * ball_direction()[i];
+    for (int i = 0; i < 3; ++i) speeds[i] = u * ball_direction()[i];
   } else {
-    speeds[static_cast<std::size_t>(kind.axis)] = u;
+    speeds[kind.axis] = u;
   }
   j.position = q;
   j.velocity = speeds;

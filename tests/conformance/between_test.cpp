@@ -105,14 +105,14 @@ TEST_CASE("between backends: spring on a slider, screw, ball pendulum", "[.][bet
       [](ModelBuilder& b) {
         const int weight = b.sphere("weight", 0.1, 1.0, at(0, 0, 0));
         const int rail = b.joint("rail", JointType::slider, kWorld, weight, at(0, 0, 0));
-        b.model.joints[static_cast<std::size_t>(rail)].axes[0].stiffness = 40.0;
+        b.model.joints[rail].axes[0].stiffness = 40.0;
         const int nut = b.cylinder("nut", 0.1, 0.1, 1.0, at(1, 0, 0));
         const int screw = b.joint("screw", JointType::screw, kWorld, nut, at(1, 0, 0));
-        b.model.joints[static_cast<std::size_t>(screw)].pitch = 0.2;
+        b.model.joints[screw].pitch = 0.2;
         const int bob = b.sphere("bob", 0.1, 1.0, at(2.5, 0, 0));
         b.joint("string", JointType::ball, kWorld, bob, at(2, 0, 0));
-        b.model.bodies[static_cast<std::size_t>(bob)].V_WB.linear = Vec3(0, 1, 0);
-        b.model.bodies[static_cast<std::size_t>(bob)].V_WB.angular = Vec3(0, 0, 2);
+        b.model.bodies[bob].V_WB.linear = Vec3(0, 1, 0);
+        b.model.bodies[bob].V_WB.angular = Vec3(0, 0, 2);
         b.model.joints.back().velocity = {0, 0, 2};
       },
       {}, 1.0);
@@ -141,7 +141,7 @@ TEST_CASE("between backends: swinging four-bar linkage", "[.][between]") {
         b.joint("pin1", JointType::hinge, crank, coupler, {B, axis});
         b.joint("pin2", JointType::hinge, kWorld, rocker, {D, axis});
         const int loop = b.joint("loop", JointType::hinge, coupler, rocker, {C, axis});
-        b.model.joints[static_cast<std::size_t>(loop)].closes_loop = true;
+        b.model.joints[loop].closes_loop = true;
       },
       {}, 0.5);
 }

@@ -36,9 +36,7 @@ void couple(ModelBuilder& builder, int joint, std::vector<CouplingTerm> terms,
   builder.model.couplings.push_back(std::move(coupling));
 }
 
-Joint& joint_of(ModelBuilder& builder, int joint) {
-  return builder.model.joints[static_cast<std::size_t>(joint)];
-}
+Joint& joint_of(ModelBuilder& builder, int joint) { return builder.model.joints[joint]; }
 
 // Period of the small swing of a rod about its end, with an inertia added to its own [s].
 double swing_period(double added) {
@@ -61,7 +59,7 @@ double measured_period(Sim& sim, int hinge) {
 void start_at(ModelBuilder& builder, int hinge, double angle) {
   Joint& joint = joint_of(builder, hinge);
   joint.position = {angle};
-  Body& body = builder.model.bodies[static_cast<std::size_t>(joint.child)];
+  Body& body = builder.model.bodies[joint.child];
   const Pose X_FC = joint.X_CM.inverse();
   body.X_WB = joint.X_PF * Pose(Vec3::Zero(), turn(Vec3::UnitZ(), angle)) * X_FC;
 }

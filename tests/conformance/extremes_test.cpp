@@ -25,7 +25,7 @@ TEST_CASE("a coin that rolls on a circle keeps its lean", "[friction]") {
     builder.plane("floor");
     const Vec3 axis(c, 0, s);
     const int coin = builder.cylinder("coin", a, 2.0 * b, mass, {Vec3(r_c, 0, p_z), z_to(axis)});
-    Twist& twist = builder.model.bodies[static_cast<std::size_t>(coin)].V_WB;
+    Twist& twist = builder.model.bodies[coin].V_WB;
     twist.linear = Vec3(0, W * r_c, 0);
     twist.angular = Vec3(0, 0, W) - W * R / a * axis;
     Sim sim(builder);
@@ -210,7 +210,7 @@ TEST_CASE("a thin wall stops what is fast", "[faults]") {
   builder.box("wall", Vec3(0.001, 2, 2), 0.0, at(0, 0, 0));
   const int ball =
       builder.sphere("ball", radius, 0.1, at(-(3.0 + phase) * speed * kDt - 0.0005 - radius, 0, 0));
-  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB.linear = Vec3(speed, 0, 0);
+  builder.model.bodies[ball].V_WB.linear = Vec3(speed, 0, 0);
   Sim sim(builder);
   double farthest = -1.0;
   sim.run(0.02, kDt, [&] { farthest = std::max(farthest, sim.pose(ball).p.x()); });
@@ -227,7 +227,7 @@ TEST_CASE("an oblique bounce has the friction of its impulse", "[bounce]") {
   builder.plane("floor", Pose(), material);
   const int ball =
       builder.sphere("ball", radius, 1.0, at(0, 0, radius + v_n * (3.0 + phase) * kDt), material);
-  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB.linear = Vec3(v_t, 0, -v_n);
+  builder.model.bodies[ball].V_WB.linear = Vec3(v_t, 0, -v_n);
   Sim sim(builder);
   sim.run(0.02);
   const double lost = mu * (1.0 + e) * v_n;

@@ -37,7 +37,7 @@ TEST_CASE("a body beyond all bounds is named", "[faults]") {
 TEST_CASE("what stands still at the end of the world ends no program", "[faults]") {
   ModelBuilder builder;
   const int wall = builder.box("wall", Vec3(1, 1, 1), 1.0, at(-1e300, 0, 0));
-  builder.model.bodies[static_cast<std::size_t>(wall)].kind = BodyKind::fixed;
+  builder.model.bodies[wall].kind = BodyKind::fixed;
   builder.sphere("ball", 0.1, 1.0, at(0, 0, 1));
   Sim sim(builder.build());
   for (int i = 0; i < 3; ++i) {
@@ -100,7 +100,7 @@ TEST_CASE("mass ratio of a thousand in a joint stays together", "[faults]") {
   Sim sim(builder);
   double gap = 0.0;
   sim.run(3.0, kDt, [&] {
-    const Joint& joint = sim.model().joints[static_cast<std::size_t>(lower)];
+    const Joint& joint = sim.model().joints[lower];
     gap = std::max(
         gap, joint_error(joint, relative_pose(joint, sim.pose(light), sim.pose(heavy))).distance);
   });

@@ -29,11 +29,10 @@ TEST_CASE("dominoes fall one after the other", "[heap]") {
     t += kDt;
     for (int i = 0; i < kDominoes; ++i) {
       const double lean = angle_between(sim.pose(i + 1).q, Quat(1, 0, 0, 0));
-      double& when = fell[static_cast<std::size_t>(i)];
+      double& when = fell[i];
       if (when == kInfinity && lean > 20.0 * kDegree) when = t;
       // Nothing reaches this one before the last but one has begun to fall.
-      if (i >= 2 && fell[static_cast<std::size_t>(i - 2)] == kInfinity)
-        waiting = std::max(waiting, lean);
+      if (i >= 2 && fell[i - 2] == kInfinity) waiting = std::max(waiting, lean);
     }
   });
   measure("lean of one that waits [rad]", waiting, 1e-3);
@@ -57,7 +56,7 @@ TEST_CASE("stack of boxes and cylinders and prisms stands 10 s", "[heap]") {
   double top = 0.0;
   std::vector<double> heights;
   for (int i = 0; i < 9; ++i) {
-    const Piece& piece = all[std::array<std::size_t, 3>{0, 2, 5}[static_cast<std::size_t>(i % 3)]];
+    const Piece& piece = all[std::array<std::size_t, 3>{0, 2, 5}[i % 3]];
     heights.push_back(top + piece.below);
     add_piece(builder, piece, "piece" + std::to_string(i), 1.0, Vec3(0, 0, heights.back()),
               material);
@@ -68,7 +67,7 @@ TEST_CASE("stack of boxes and cylinders and prisms stands 10 s", "[heap]") {
   for (int i = 0; i < 9; ++i) {
     const Pose& X = sim.pose(i + 1);
     measure("sideways drift [m]", X.p.head<2>().norm(), 2e-3);
-    measure("height error [m]", std::abs(X.p.z() - heights[static_cast<std::size_t>(i)]), 2e-3);
+    measure("height error [m]", std::abs(X.p.z() - heights[i]), 2e-3);
     measure("lean [rad]", angle_between(X.q, Quat(1, 0, 0, 0)), 0.02);
     measure("speed left [m/s]", sim.twist(i + 1).linear.norm(), 1e-3);
   }

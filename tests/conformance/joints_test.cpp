@@ -164,9 +164,8 @@ TEST_CASE("fixed joint: two bodies fly as one", "[joints]") {
   const Vec3 start = centre(), speed = 0.75 * w0.cross(Vec3(0.4, 0.1, 0));
   double gap = 0.0, tilt = 0.0;
   sim.run(t, kDt, [&] {
-    const JointError error =
-        joint_error(sim.model().joints[static_cast<std::size_t>(joint)],
-                    relative_pose(sim.model().joints[0], sim.pose(a), sim.pose(b)));
+    const JointError error = joint_error(
+        sim.model().joints[joint], relative_pose(sim.model().joints[0], sim.pose(a), sim.pose(b)));
     gap = std::max(gap, error.distance);
     tilt = std::max(tilt, error.angle);
   });

@@ -4,9 +4,7 @@
 namespace conformance {
 namespace {
 
-Body& body_of(ModelBuilder& builder, int body) {
-  return builder.model.bodies[static_cast<std::size_t>(body)];
-}
+Body& body_of(ModelBuilder& builder, int body) { return builder.model.bodies[body]; }
 
 int kinematic_box(ModelBuilder& builder, const Vec3& size, const Vec3& p, const Twist& V) {
   const int body = builder.box("pusher", size, 1.0, {p, Quat(1, 0, 0, 0)});

@@ -46,7 +46,7 @@ FourBar four_bar(bool motor, JointType closing) {
   // A universal joint turns about its x first.
   const Quat closing_axis = closing == JointType::universal ? turn(Vec3::UnitZ(), 0.5 * kPi) : axis;
   bar.loop = bar.builder.joint("loop", closing, bar.coupler, bar.rocker, {c, closing_axis});
-  bar.builder.model.joints[static_cast<std::size_t>(bar.loop)].closes_loop = true;
+  bar.builder.model.joints[bar.loop].closes_loop = true;
   if (motor) bar.builder.motor("motor", bar.drive, MotorMode::velocity);
   return bar;
 }
@@ -60,7 +60,7 @@ int add_bar(ModelBuilder& builder, const std::string& name, const Vec3& from, co
 }
 
 double gap_of(Sim& sim, int joint) {
-  const Joint& j = sim.model().joints[static_cast<std::size_t>(joint)];
+  const Joint& j = sim.model().joints[joint];
   const Pose parent = j.parent == kWorld ? Pose() : sim.pose(j.parent);
   return joint_error(j, relative_pose(j, parent, sim.pose(j.child))).distance;
 }

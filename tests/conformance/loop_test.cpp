@@ -79,14 +79,14 @@ Row row_of_four_bars(int count) {
   Row row;
   const Quat axis = z_to(-Vec3::UnitY());
   const auto set_speed = [&](int joint, double speed) {
-    row.builder.model.joints[static_cast<std::size_t>(joint)].velocity = {speed};
+    row.builder.model.joints[joint].velocity = {speed};
     return joint;
   };
   std::vector<int> rods, couplers;
   for (int i = 0; i <= count; ++i) {
     const Vec3 foot(i, 0, 0), tip(i, 0, 1);
     rods.push_back(add_bar(row.builder, "rod" + std::to_string(i), foot, tip));
-    Twist& twist = row.builder.model.bodies[static_cast<std::size_t>(rods.back())].V_WB;
+    Twist& twist = row.builder.model.bodies[rods.back()].V_WB;
     twist.angular = Vec3(0, 1, 0);
     twist.linear = Vec3(0.5, 0, 0);
     row.pins.push_back(set_speed(row.builder.joint("pin" + std::to_string(i), JointType::hinge,
@@ -97,14 +97,14 @@ Row row_of_four_bars(int count) {
     const std::string name = std::to_string(i);
     const Vec3 from(i, 0, 1), to(i + 1, 0, 1);
     const int coupler = add_bar(row.builder, "coupler" + name, from, to);
-    row.builder.model.bodies[static_cast<std::size_t>(coupler)].V_WB.linear = Vec3(1, 0, 0);
+    row.builder.model.bodies[coupler].V_WB.linear = Vec3(1, 0, 0);
     const std::size_t left = static_cast<std::size_t>(i);
     set_speed(row.builder.joint("left" + name, JointType::hinge, rods[left], coupler, {from, axis}),
               1.0);
     row.loops.push_back(set_speed(
         row.builder.joint("right" + name, JointType::hinge, coupler, rods[left + 1], {to, axis}),
         -1.0));
-    row.builder.model.joints[static_cast<std::size_t>(row.loops.back())].closes_loop = true;
+    row.builder.model.joints[row.loops.back()].closes_loop = true;
   }
   return row;
 }
@@ -172,7 +172,7 @@ TEST_CASE("a kite of bars passes the folded position", "[loop]") {
     builder.joint("coupler_pin", JointType::hinge, arm, coupler, {b, axis});
     builder.joint("rocker_pin", JointType::hinge, kWorld, rocker, {d, axis});
     const int loop = builder.joint("loop", JointType::hinge, coupler, rocker, {c, axis});
-    builder.model.joints[static_cast<std::size_t>(loop)].closes_loop = true;
+    builder.model.joints[loop].closes_loop = true;
     Sim sim(builder);
     const double start = sim.energy();
     double off = 0.0, gap = 0.0;

@@ -6,9 +6,7 @@ namespace {
 
 constexpr double kClosure = 1e-4;  // [m], the four-bar's figure
 
-void mark_loop(ModelBuilder& builder, int joint) {
-  builder.model.joints[static_cast<std::size_t>(joint)].closes_loop = true;
-}
+void mark_loop(ModelBuilder& builder, int joint) { builder.model.joints[joint].closes_loop = true; }
 
 void four_bar_closed_by(JointType closing) {
   const Driven worst = run_driven(3.0, closing);
@@ -126,7 +124,7 @@ TEST_CASE("loop closed by a screw", "[loop]") {
   const int nut = builder.body("nut", mass, Mat3(moment * Mat3::Identity()), Pose());
   builder.joint("guide", JointType::cylindrical, kWorld, nut, Pose());
   const int screw = builder.joint("screw", JointType::screw, kWorld, nut, Pose());
-  builder.model.joints[static_cast<std::size_t>(screw)].pitch = pitch;
+  builder.model.joints[screw].pitch = pitch;
   mark_loop(builder, screw);
   Sim sim(builder);
   double gap = 0.0;

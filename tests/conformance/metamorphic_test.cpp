@@ -16,8 +16,7 @@ std::vector<Adder> smooth_scene() {
   return {
       [](ModelBuilder& b, const Pose& X) {
         const int body = b.box("tumbler", Vec3(0.1, 0.4, 0.9), 10.0, X * at(0, 5, 3));
-        b.model.bodies[static_cast<std::size_t>(body)].V_WB = {X.q * Vec3(1, 2, 3),
-                                                               X.q * Vec3(0.1, 3, 0.1)};
+        b.model.bodies[body].V_WB = {X.q * Vec3(1, 2, 3), X.q * Vec3(0.1, 3, 0.1)};
       },
       [](ModelBuilder& b, const Pose& X) {
         const Quat axis = z_to(Vec3::UnitY());
@@ -29,7 +28,7 @@ std::vector<Adder> smooth_scene() {
       [](ModelBuilder& b, const Pose& X) {
         const int body = b.sphere("weight", 0.1, 1.0, X * at(-3, 0, 3));
         const int rail = b.joint("rail", JointType::slider, kWorld, body, X * at(-3, 0, 3));
-        b.model.joints[static_cast<std::size_t>(rail)].axes[0].stiffness = 40.0;
+        b.model.joints[rail].axes[0].stiffness = 40.0;
       },
   };
 }
@@ -48,13 +47,11 @@ std::vector<Adder> contact_scene() {
       },
       [=](ModelBuilder& b, const Pose& X) {
         const int body = b.sphere("ball", 0.1, 1.0, X * at(0, 3, 0.3), surface(b));
-        b.model.bodies[static_cast<std::size_t>(body)].V_WB = {X.q * Vec3(1, 0.5, 0),
-                                                               X.q * Vec3(4, -3, 2)};
+        b.model.bodies[body].V_WB = {X.q * Vec3(1, 0.5, 0), X.q * Vec3(4, -3, 2)};
       },
       [=](ModelBuilder& b, const Pose& X) {
         const int body = b.box("slider", Vec3(0.4, 0.4, 0.1), 1.0, X * at(3, 0, 0.05), surface(b));
-        b.model.bodies[static_cast<std::size_t>(body)].V_WB = {X.q * Vec3(0.8, 0.6, 0),
-                                                               Vec3::Zero()};
+        b.model.bodies[body].V_WB = {X.q * Vec3(0.8, 0.6, 0), Vec3::Zero()};
       },
   };
 }
@@ -166,7 +163,7 @@ Pose throw_onto(ShapeType shape) {
       builder.plane("floor", Pose(), surface);
   }
   const int ball = builder.sphere("ball", 0.1, 1.0, at(0, 3, 0.3), surface);
-  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB = {Vec3(1, 0.5, 0), Vec3(4, -3, 2)};
+  builder.model.bodies[ball].V_WB = {Vec3(1, 0.5, 0), Vec3(4, -3, 2)};
   Sim sim(builder);
   sim.run(0.6);
   return sim.pose(ball);

@@ -15,7 +15,7 @@ Conservation collide(double e, bool motors) {
   ModelBuilder builder;
   builder.model.physics.gravity = Vec3::Zero();
   const int elastic = builder.material("elastic", 0.4, e);
-  builder.model.materials[0] = builder.model.materials[static_cast<std::size_t>(elastic)];
+  builder.model.materials[0] = builder.model.materials[elastic];
   const Chain chain = add_chain(builder, {Vec3(0.2, 0.1, -0.3), turn(Vec3(1, 1, 0), 0.4)});
   if (motors) {
     for (const int hinge : chain.hinges)
@@ -25,7 +25,7 @@ Conservation collide(double e, bool motors) {
   const Vec3 towards = X_WB.q * Vec3(0.1, -1, 0.3).normalized();
   const int ball = builder.sphere(
       "ball", 0.1, 2.0, {X_WB * Vec3(0.1, 0, 0) - 0.5 * towards, Quat(1, 0, 0, 0)}, elastic);
-  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB.linear = 2.0 * towards;
+  builder.model.bodies[ball].V_WB.linear = 2.0 * towards;
   Sim sim(builder);
   for (std::size_t i = 0; i < sim.drives.size(); ++i) {
     sim.drives[i] = speed_source(i == 0 ? 1.0 : -0.5, 0.5);
@@ -66,7 +66,7 @@ TEST_CASE("momentum: chain that only folds", "[momentum]") {
   const Chain chain = add_chain(builder, Pose());
   const Vec3 spin(0.3, 0.5, 1.0);
   for (const int bar : chain.bars) {
-    Body& body = builder.model.bodies[static_cast<std::size_t>(bar)];
+    Body& body = builder.model.bodies[bar];
     body.V_WB = {spin.cross(body.X_WB.p) + Vec3(0.2, 0, 0), spin};
   }
   Sim sim(builder);

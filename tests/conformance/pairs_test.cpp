@@ -47,7 +47,7 @@ void meet(const Piece& first, const Piece& second) {
   const int a = add_piece(builder, first, "a", m1, Vec3(0, 0, 0), material);
   const int b =
       add_piece(builder, second, "b", m2, Vec3(0, 0, first.above + second.below + 0.1), material);
-  builder.model.bodies[static_cast<std::size_t>(a)].V_WB.linear = Vec3(0, 0, v);
+  builder.model.bodies[a].V_WB.linear = Vec3(0, 0, v);
   Sim sim(builder);
   sim.run(0.4);
   const double together = m1 * v / (m1 + m2);
@@ -91,7 +91,7 @@ TEST_CASE("bodies that do not collide pass through each other", "[pairs]") {
   const int ball = builder.sphere("ball", 0.1, 1.0, at(0, 0, 0.15));
   if (why == 0) builder.model.no_collide.push_back({floor, ball});
   if (why == 1) builder.joint("guide", JointType::slider, floor, ball, at(0, 0, 0.15));
-  if (why == 2) builder.model.bodies[static_cast<std::size_t>(ball)].shapes[0].collides = false;
+  if (why == 2) builder.model.bodies[ball].shapes[0].collides = false;
   Sim sim(builder);
   sim.run(1.0);
   const double fallen = 0.15 - 0.5 * 9.81;

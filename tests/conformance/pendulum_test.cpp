@@ -142,9 +142,9 @@ TEST_CASE("conical pendulum on a ball joint", "[pendulum]") {
       std::sqrt(kMass * kGravity * 0.5 * kLength / ((across - along) * std::cos(angle)));
   const Vec3 spin(0, 0, rate);
   const int ball = builder.joint("ball", JointType::ball, kWorld, rod, Pose());
-  Body& body = builder.model.bodies[static_cast<std::size_t>(rod)];
+  Body& body = builder.model.bodies[rod];
   body.V_WB = {spin.cross(body.X_WB.p), spin};
-  builder.model.joints[static_cast<std::size_t>(ball)].velocity = {0, 0, rate};
+  builder.model.joints[ball].velocity = {0, 0, rate};
   const Vec3 start = body.X_WB.p;
   Sim sim(builder);
   double worst = 0.0;

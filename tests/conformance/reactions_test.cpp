@@ -55,9 +55,7 @@ TEST_CASE("reaction: each link of a chain carries what hangs on it", "[reports]"
   double below = 6.0;
   for (int i = 0; i < 3; ++i) {
     measure("force error, relative",
-            relative(sim.reaction(joints[static_cast<std::size_t>(i)]).force,
-                     Vec3(0, 0, below * kGravity)),
-            kTolerance);
+            relative(sim.reaction(joints[i]).force, Vec3(0, 0, below * kGravity)), kTolerance);
     below -= 1.0 + i;
   }
 }

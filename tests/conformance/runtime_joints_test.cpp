@@ -181,7 +181,7 @@ TEST_CASE("attach: a loop is closed while it swings", "[runtime]") {
   const double energy_before = sim.energy();
   const int closing =
       attach(sim, "closing", JointType::hinge, bar, b, {meeting, z_to(Vec3::UnitY())});
-  CHECK(sim.model().joints[static_cast<std::size_t>(closing)].closes_loop);
+  CHECK(sim.model().joints[closing].closes_loop);
   measure("speed left along what is forbidden [m/s]", forbidden_speed(sim, closing), 1e-9);
   const double energy = sim.energy();
   CHECK(energy <= energy_before + 1e-12);
@@ -424,7 +424,7 @@ TEST_CASE("what cannot be changed is refused and nothing happens", "[runtime]") 
   const std::uint64_t before = sim.hash();
   const auto copy = [&] { return std::make_shared<SceneModel>(*sim.world().model()); };
   auto kinematic = copy();
-  kinematic->bodies[static_cast<std::size_t>(box)].kind = BodyKind::kinematic;
+  kinematic->bodies[box].kind = BodyKind::kinematic;
   CHECK_FALSE(sim.world().change(kinematic));
   auto plane = copy();
   plane->bodies[0].kind = BodyKind::dynamic;
@@ -446,7 +446,7 @@ TEST_CASE("what cannot be changed is refused and nothing happens", "[runtime]") 
   // Frames a metre apart.
   ModelBuilder far = next_of(sim);
   const int joint = far.joint("far", JointType::fixed, box, other, at(0, 0, 0));
-  far.model.joints[static_cast<std::size_t>(joint)].X_CM = Pose();
+  far.model.joints[joint].X_CM = Pose();
   CHECK_FALSE(sim.world().add(far.build()));
   sim.forget_state();
   CHECK(sim.hash() == before);

@@ -52,7 +52,7 @@ class Turmoil {
         break;
       default: {
         const int body = alive_[random_() % alive_.size()];
-        const BodyKind kind = sim_.model().bodies[static_cast<std::size_t>(body)].kind;
+        const BodyKind kind = sim_.model().bodies[body].kind;
         set_static(sim_, body, kind == BodyKind::dynamic);
         break;
       }
@@ -70,8 +70,8 @@ class Turmoil {
     }
     const CollisionFilter filter(model);
     for (const Contact& c : sim_.contacts()) {
-      CHECK_FALSE(model.bodies[static_cast<std::size_t>(c.body_a)].removed);
-      CHECK_FALSE(model.bodies[static_cast<std::size_t>(c.body_b)].removed);
+      CHECK_FALSE(model.bodies[c.body_a].removed);
+      CHECK_FALSE(model.bodies[c.body_b].removed);
       if (after_step) CHECK(filter.collide(c.body_a, c.body_b));
     }
   }
@@ -106,16 +106,14 @@ class Turmoil {
 
   void remove_body(int body) {
     auto next = std::make_shared<SceneModel>(*sim_.world().model());
-    next->bodies[static_cast<std::size_t>(body)].removed = true;
+    next->bodies[body].removed = true;
     for (Joint& joint : next->joints)
       joint.removed = joint.removed || joint.parent == body || joint.child == body;
     mark_loops(*next);
     remove(sim_, next);
     alive_.erase(std::find(alive_.begin(), alive_.end(), body));
     joints_.erase(std::remove_if(joints_.begin(), joints_.end(),
-                                 [&](int j) {
-                                   return sim_.model().joints[static_cast<std::size_t>(j)].removed;
-                                 }),
+                                 [&](int j) { return sim_.model().joints[j].removed; }),
                   joints_.end());
   }
 
@@ -244,7 +242,7 @@ TEST_CASE("1000 bodies come and go among 25", "[runtime]") {
     sim.forget_state();
     sim.step();
     auto without = std::make_shared<SceneModel>(*with);
-    without->bodies[static_cast<std::size_t>(ball)].removed = true;
+    without->bodies[ball].removed = true;
     start = Clock::now();
     REQUIRE(sim.world().remove(without));
     (i < 900 ? removing : last_removing) += since(start);

@@ -12,9 +12,7 @@ void take_over(Sim& sim, const Result<>& done) {
 
 Pose pose_of(Sim& sim, int body) { return body == kWorld ? Pose() : sim.pose(body); }
 Twist twist_of(Sim& sim, int body) { return body == kWorld ? Twist() : sim.twist(body); }
-const Joint& joint_of(Sim& sim, int joint) {
-  return sim.model().joints[static_cast<std::size_t>(joint)];
-}
+const Joint& joint_of(Sim& sim, int joint) { return sim.model().joints[joint]; }
 
 }  // namespace
 
@@ -33,7 +31,7 @@ int attach(Sim& sim, const std::string& name, JointType type, int parent, int ch
   need("runtime.attach");
   ModelBuilder next = next_of(sim);
   const int made = next.joint(name, type, parent, child, X_WJ);
-  Joint& joint = next.model.joints[static_cast<std::size_t>(made)];
+  Joint& joint = next.model.joints[made];
   joint.X_PF = pose_of(sim, parent).inverse() * X_WJ;
   joint.X_CM = pose_of(sim, child).inverse() * X_WJ;
   joint.position.assign(static_cast<std::size_t>(position_count(type)), 0.0);
@@ -46,7 +44,7 @@ int attach(Sim& sim, const std::string& name, JointType type, int parent, int ch
 void detach(Sim& sim, int joint) {
   need("runtime.attach");
   auto next = std::make_shared<SceneModel>(*sim.world().model());
-  next->joints[static_cast<std::size_t>(joint)].removed = true;
+  next->joints[joint].removed = true;
   for (Motor& motor : next->motors) motor.removed = motor.removed || motor.joint == joint;
   mark_loops(*next);
   remove(sim, next);
@@ -55,7 +53,7 @@ void detach(Sim& sim, int joint) {
 void set_static(Sim& sim, int body, bool on) {
   need("runtime.body_kind");
   auto next = std::make_shared<SceneModel>(*sim.world().model());
-  next->bodies[static_cast<std::size_t>(body)].kind = on ? BodyKind::fixed : BodyKind::dynamic;
+  next->bodies[body].kind = on ? BodyKind::fixed : BodyKind::dynamic;
   mark_loops(*next);
   change(sim, next);
 }
@@ -63,7 +61,7 @@ void set_static(Sim& sim, int body, bool on) {
 void set_axis(Sim& sim, int joint, const std::function<void(JointAxis&)>& edit, int axis) {
   need("runtime.joint_axes");
   auto next = std::make_shared<SceneModel>(*sim.world().model());
-  edit(next->joints[static_cast<std::size_t>(joint)].axes.at(static_cast<std::size_t>(axis)));
+  edit(next->joints[joint].axes.at(axis));
   change(sim, next);
 }
 

@@ -51,14 +51,14 @@ TEST_CASE("a stack on a body made static", "[runtime]") {
     set_static(sim, stack[0], false);
     sim.run(0.1);
     for (int i = 0; i < 3; ++i) {
-      measure("height error in the stack [m]",
-              std::abs(sim.pose(stack[static_cast<std::size_t>(i)]).p.z() - 1.2 - 0.2 * i), 1e-4);
+      measure("height error in the stack [m]", std::abs(sim.pose(stack[i]).p.z() - 1.2 - 0.2 * i),
+              1e-4);
     }
   }
   set_static(sim, stack[0], true);
   const Pose held = sim.pose(stack[0]);
   auto next = std::make_shared<SceneModel>(*sim.world().model());
-  next->bodies[static_cast<std::size_t>(table)].removed = true;
+  next->bodies[table].removed = true;
   remove(sim, next);
   sim.run(0.5);
   CHECK(same_place(sim.pose(stack[0]), held));
@@ -117,7 +117,7 @@ TEST_CASE("a static body made dynamic falls and rests", "[runtime]") {
   ModelBuilder builder;
   builder.plane("floor");
   const int shelf = builder.box("shelf", Vec3(0.4, 0.4, 0.1), 2.0, at(0, 0, 0.55));
-  builder.model.bodies[static_cast<std::size_t>(shelf)].kind = BodyKind::fixed;
+  builder.model.bodies[shelf].kind = BodyKind::fixed;
   const int cup = builder.box("cup", Vec3(0.1, 0.1, 0.1), 0.5, at(0, 0, 0.65));
   Sim sim(builder);
   sim.run(0.3);

@@ -42,7 +42,7 @@ TEST_CASE("add: the rest continues, the new falls", "[runtime]") {
   undisturbed.run(0.5);
   ModelBuilder next = next_of(sim);
   const int ball = next.sphere("ball", 0.1, 1.0, at(-3, 0, 10));
-  next.model.bodies[static_cast<std::size_t>(ball)].V_WB.linear = Vec3(1, 0, 0);
+  next.model.bodies[ball].V_WB.linear = Vec3(1, 0, 0);
   const auto added = sim.world().add(next.build());
   INFO((added ? std::string() : added.error().text()));
   REQUIRE(added);
@@ -111,7 +111,7 @@ TEST_CASE("remove: the rest continues, the gap can be fallen through", "[runtime
   undisturbed.run(0.5);
   const double height = sim.pose(ball).p.z();
   SceneModel next = *sim.world().model();
-  next.bodies[static_cast<std::size_t>(table)].removed = true;
+  next.bodies[table].removed = true;
   const WorldState before = sim.state();
   REQUIRE(sim.world().remove(std::make_shared<const SceneModel>(next)));
   sim.adopt_model();
@@ -169,7 +169,7 @@ TEST_CASE("add and remove again and again", "[runtime]") {
     sim.forget_state();
     sim.run(0.1);
     SceneModel without = *sim.world().model();
-    without.bodies[static_cast<std::size_t>(ball)].removed = true;
+    without.bodies[ball].removed = true;
     REQUIRE(sim.world().remove(std::make_shared<const SceneModel>(without)));
     sim.adopt_model();
     sim.forget_state();
@@ -190,7 +190,7 @@ TEST_CASE("reset takes back what was added and removed", "[runtime]") {
   sim.forget_state();
   sim.run(0.2);
   SceneModel without = *sim.world().model();
-  without.bodies[static_cast<std::size_t>(scene.box)].removed = true;
+  without.bodies[scene.box].removed = true;
   REQUIRE(sim.world().remove(std::make_shared<const SceneModel>(without)));
   sim.forget_state();
   sim.run(0.2);

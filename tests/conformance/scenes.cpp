@@ -44,13 +44,13 @@ Playground playground() {
   const int arm = builder.box("arm", Vec3(0.5, 0.05, 0.05), 0.8, at(-2.25, 0, 1));
   const int shoulder = builder.joint("shoulder", JointType::hinge, kWorld, arm,
                                      {Vec3(-2.5, 0, 1), z_to(Vec3::UnitY())});
-  JointAxis& axis = builder.model.joints[static_cast<std::size_t>(shoulder)].axes[0];
+  JointAxis& axis = builder.model.joints[shoulder].axes[0];
   axis.damping = 0.05;
   axis.friction = 0.02;
   builder.motor("servo", shoulder, MotorMode::servo);
   const int lift = builder.box("lift", Vec3(0.1, 0.1, 0.1), 1.0, at(-3, 1, 1));
   const int rail = builder.joint("rail", JointType::slider, kWorld, lift, at(-3, 1, 1));
-  builder.model.joints[static_cast<std::size_t>(rail)].axes[0].lower = -0.3;
+  builder.model.joints[rail].axes[0].lower = -0.3;
   Drive servo;
   servo.kp = 20.0;
   servo.kd = 2.0;
@@ -71,8 +71,7 @@ Chain add_chain(ModelBuilder& builder, const Pose& X_WC) {
     // Hinges of different directions make it a spatial chain.
     const Vec3 axis = i == 0 ? Vec3::UnitZ() : Vec3::UnitY();
     chain.hinges.push_back(builder.joint("link" + std::to_string(i), JointType::hinge,
-                                         chain.bars[static_cast<std::size_t>(i)],
-                                         chain.bars[static_cast<std::size_t>(i) + 1],
+                                         chain.bars[i], chain.bars[static_cast<std::size_t>(i) + 1],
                                          X_WC * Pose(Vec3(length * (i + 1), 0, 0), z_to(axis))));
   }
   return chain;

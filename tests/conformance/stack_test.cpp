@@ -31,7 +31,7 @@ TEST_CASE("stack of 10 boxes stands 10 s", "[stack]") {
     std::vector<Vec3> below(kBoxes, Vec3::Zero());
     for (const Contact& contact : sim.contacts()) {
       REQUIRE(contact.body_b == contact.body_a + 1);
-      below[static_cast<std::size_t>(contact.body_a)] += contact.force;
+      below[contact.body_a] += contact.force;
     }
     for (int i = 0; i < kBoxes; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -45,7 +45,7 @@ TEST_CASE("stack of 10 boxes stands 10 s", "[stack]") {
   for (int i = 0; i < kBoxes; ++i) {
     const double weight = kMass * kGravity * (kBoxes - i);
     measure("contact force over the weight above, mean of the last second",
-            (mean[static_cast<std::size_t>(i)] - Vec3(0, 0, weight)).norm() / weight, 0.01);
+            (mean[i] - Vec3(0, 0, weight)).norm() / weight, 0.01);
     const Pose& X = sim.pose(i + 1);
     measure("sideways drift [m]", X.p.head<2>().norm(), 2e-3);
     measure("height error [m]", std::abs(X.p.z() - kSize * (i + 0.5)), 2e-3);
@@ -73,7 +73,7 @@ TEST_CASE("contact as soft as the scene says", "[stack]") {
   const double stiffness = 2000.0, mass = 1.0, radius = 0.1;
   ModelBuilder builder;
   const int hard = builder.material("hard", 0.5), soft = builder.material("soft", 0.5);
-  builder.model.materials[static_cast<std::size_t>(soft)].stiffness = stiffness;
+  builder.model.materials[soft].stiffness = stiffness;
   builder.plane("floor", Pose(), both ? soft : hard);
   const int ball = builder.sphere("ball", radius, mass, at(0, 0, radius), soft);
   Sim sim(builder);

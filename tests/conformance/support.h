@@ -64,13 +64,13 @@ class Sim {
   const SceneModelPtr& model_ptr() const { return model_; }
 
   const WorldState& state();
-  const Pose& pose(int body) { return state().poses[static_cast<std::size_t>(body)]; }
-  const Twist& twist(int body) { return state().twists[static_cast<std::size_t>(body)]; }
+  const Pose& pose(int body) { return state().poses[body]; }
+  const Twist& twist(int body) { return state().twists[body]; }
   /// Coordinate and speed of a joint.
   double q(int joint, int i = 0);
   double u(int joint, int i = 0);
   double effort(int joint, int i = 0);
-  double motor_effort(int motor) { return state().motor_efforts[static_cast<std::size_t>(motor)]; }
+  double motor_effort(int motor) { return state().motor_efforts[motor]; }
   const std::vector<Contact>& contacts();
   /// Sum of the contact forces on `body` in the last step [N].
   Vec3 contact_force(int body);
@@ -83,7 +83,7 @@ class Sim {
   void adopt_model() { model_ = world_->model(); }
   void forget_state() { fresh_ = false; }
 
-  Drive& drive(int motor) { return drives[static_cast<std::size_t>(motor)]; }
+  Drive& drive(int motor) { return drives[motor]; }
   std::vector<Drive> drives;
 
  private:

@@ -17,9 +17,7 @@ int add_ball(ModelBuilder& builder, double rolling, double spinning, double angl
   return builder.sphere("ball", kRadius, kMass, X_WS * at(0, 0, kRadius), surface);
 }
 
-Twist& start_of(ModelBuilder& builder, int body) {
-  return builder.model.bodies[static_cast<std::size_t>(body)].V_WB;
-}
+Twist& start_of(ModelBuilder& builder, int body) { return builder.model.bodies[body].V_WB; }
 
 TEST_CASE("rolling friction stops a ball", "[friction]") {
   // The torque d m g against the rolling of 7/5 m r^2 about the point of contact: it is slowed by

@@ -26,8 +26,7 @@ TEST_CASE("heightmap: rows and columns lie as documented", "[terrain]") {
   Sim sim(builder);
   sim.run(1.5);
   for (int i = 0; i < 4; ++i) {
-    measure("height error [m]",
-            std::abs(sim.pose(i + 1).p.z() - expected[static_cast<std::size_t>(i)].z()), 1e-3);
+    measure("height error [m]", std::abs(sim.pose(i + 1).p.z() - expected[i].z()), 1e-3);
   }
 }
 
@@ -83,8 +82,7 @@ TEST_CASE("ball rolls over the inner edges of a mesh", "[terrain]") {
     builder.heightmap("floor", grid_heights(4.0, 9, flat), Pose(), rough);
   }
   const int ball = builder.sphere("ball", kRadius, 1.0, at(-1.0, 0.13, kRadius), rough);
-  builder.model.bodies[static_cast<std::size_t>(ball)].V_WB = {Vec3(v, 0, 0),
-                                                               Vec3(0, v / kRadius, 0)};
+  builder.model.bodies[ball].V_WB = {Vec3(v, 0, 0), Vec3(0, v / kRadius, 0)};
   Sim sim(builder);
   double jump = 0.0;
   sim.run(2.0, kDt, [&] { jump = std::max(jump, std::abs(sim.pose(ball).p.z() - kRadius)); });
@@ -106,7 +104,7 @@ TEST_CASE("box slides over the inner edges of a mesh", "[terrain]") {
     builder.heightmap("floor", grid_heights(4.0, 9, flat), Pose(), surface);
   }
   const int box = builder.box("box", Vec3(0.3, 0.3, 0.1), 1.0, at(-1.0, 0.1, 0.05), surface);
-  builder.model.bodies[static_cast<std::size_t>(box)].V_WB.linear = Vec3(v, 0, 0);
+  builder.model.bodies[box].V_WB.linear = Vec3(v, 0, 0);
   Sim sim(builder);
   sim.run(1.5);
   measure_relative("sliding distance", sim.pose(box).p.x() + 1.0, v * v / (2.0 * mu * 9.81), 0.02);

@@ -23,7 +23,7 @@ TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
   CHECK(near(crate.X_WB.p, {0, 0, 1}, 0.0));
   // a cube's moment of inertia is m a^2 / 6
   CHECK(crate.inertia(0, 0) == Approx(3.0 * 0.16 / 6).epsilon(1e-14));
-  const Material& wood = model->materials[static_cast<std::size_t>(crate.shapes[0].material)];
+  const Material& wood = model->materials[crate.shapes[0].material];
   CHECK(wood.name == "wood");
   CHECK(wood.friction == 0.6);
   CHECK(wood.restitution == 0.1);
@@ -42,7 +42,7 @@ TEST_CASE("friction against rolling and spinning, and surfaces that move", "[dsl
     <sphere name="ball" radius="10 cm" material="felt" rolling-friction="0.1 cm" xyz="0 0 1"/>)");
   const auto material = [&](const char* name) {
     const Shape& shape = body(*model, name).shapes.at(0);
-    return model->materials[static_cast<std::size_t>(shape.material)];
+    return model->materials[shape.material];
   };
   CHECK(material("floor").rolling_friction == 2e-3);
   CHECK(material("floor").spinning_friction == 5e-3);
@@ -80,7 +80,7 @@ TEST_CASE("ellipsoids, cones and prisms are hulls of the right volume", "[dsl][b
   // No point of the hull is farther from the ellipsoid than 0.52 % of its half axes.
   const Shape& shape = egg.shapes.at(0);
   REQUIRE(shape.type == ShapeType::convex_mesh);
-  for (const Vec3& p : model->meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
+  for (const Vec3& p : model->meshes[shape.mesh]->vertices)
     CHECK(std::abs(p.cwiseQuotient(Vec3(0.2, 0.3, 0.5)).norm() - 1.0) < 0.0052);
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("a rigid assembly is one body with the mass of its parts", "[dsl][buil
                      0.4 * 0.05 * 0.02 * 0.02 + far(0.05, -0.09, -0.02);
   CHECK(chassis.inertia(1, 1) == Approx(iyy).epsilon(1e-12));
 
-  const Material& caster = model->materials[static_cast<std::size_t>(chassis.shapes[2].material)];
+  const Material& caster = model->materials[chassis.shapes[2].material];
   CHECK(caster.friction == 0.0);
   REQUIRE(model->sensors.size() == 1);
   CHECK(model->sensors[0].body == 0);
@@ -150,7 +150,7 @@ TEST_CASE("mass and material of a rigid assembly hold for the whole", "[dsl][bui
   CHECK(near(a.com, Vec3::Zero()));  // the same steel on both sides
   CHECK(a.inertia(0, 0) == Approx(6.0 / 6).epsilon(1e-12));
   CHECK(a.inertia(2, 2) == Approx(6.0 / 6 + 6.0).epsilon(1e-12));
-  const Material& left = model->materials[static_cast<std::size_t>(a.shapes[0].material)];
+  const Material& left = model->materials[a.shapes[0].material];
   CHECK(left.friction == 0.4);
   CHECK(left.color.b > 0.9);  // each part keeps its appearance
 }

@@ -32,14 +32,14 @@ inline const Body& body(const SceneModel& model, const std::string& name) {
   const int index = find_body(model, name);
   INFO("body " << name);
   REQUIRE(index >= 0);
-  return model.bodies[static_cast<std::size_t>(index)];
+  return model.bodies[index];
 }
 
 inline const Joint& joint(const SceneModel& model, const std::string& name) {
   const int index = find_joint(model, name);
   INFO("joint " << name);
   REQUIRE(index >= 0);
-  return model.joints[static_cast<std::size_t>(index)];
+  return model.joints[index];
 }
 
 inline bool near(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {

@@ -75,7 +75,7 @@ const Body& body(const SceneModel& model, const std::string& name) {
   const int i = find_body(model, name);
   INFO(name);
   REQUIRE(i >= 0);
-  return model.bodies[static_cast<std::size_t>(i)];
+  return model.bodies[i];
 }
 
 }  // namespace
@@ -93,8 +93,8 @@ TEST_CASE("an outline lists every element with its lines", "[edit]") {
   CHECK(lower.path == "arm.lower");
   CHECK(lower.parent == id_of(kScene, "assembly", "arm"));
   const int i = find_body(*scene.result.model, "arm.lower");
-  CHECK(scene.origins.bodies[static_cast<std::size_t>(i)].element == lower.id);
-  CHECK(scene.origins.bodies[static_cast<std::size_t>(i)].own);
+  CHECK(scene.origins.bodies[i].element == lower.id);
+  CHECK(scene.origins.bodies[i].own);
   CHECK(scene.origins.motors.at(0).element == id_of(kScene, "motor", "drive"));
   CHECK(scene.origins.plots.at(0).element == id_of(kScene, "plot", "path"));
 }
@@ -409,7 +409,8 @@ TEST_CASE("assembled parts are one body of the same mass", "[edit]") {
     CHECK(X_WS.q.angularDistance(b.X_WB.q) < 1e-9);
   }
   // Dissolved again: everything has its old pose.
-  const std::string dissolved = edited(text, {DisassembleElement{id_of(text, "assembly", "table")}});
+  const std::string dissolved =
+      edited(text, {DisassembleElement{id_of(text, "assembly", "table")}});
   const auto again = model_of(dissolved);
   for (const Body& b : before->bodies) {
     const Body& other = body(*again, b.name);
@@ -489,7 +490,7 @@ TEST_CASE("several operations are one edit", "[edit]") {
                                RenameElement{crate, "chest"}, SetAttribute{crate, "mass", "2 kg"}});
   REQUIRE(made);
   REQUIRE(made->created.size() == 1);
-  CHECK(made->scene.elements[static_cast<std::size_t>(made->created[0])].name == "f");
+  CHECK(made->scene.elements[made->created[0]].name == "f");
   CHECK(made->text.find("mass=\"2 kg\"") != std::string::npos);
   CHECK_FALSE(edit_text(kScene, "t.scene.xml",
                         {RenameElement{crate, "chest"}, SetAttribute{crate, "mass", "oops"}}));

@@ -44,7 +44,7 @@ class Walker {
       case 5: {
         // Neighbours: only these can be assembled.
         std::vector<int> parts{pick()};
-        const int parent = scene.elements[static_cast<std::size_t>(parts[0])].parent;
+        const int parent = scene.elements[parts[0]].parent;
         for (const OutlineElement& e : scene.elements)
           if (e.parent == parent && number() > 1) parts.push_back(e.id);
         if (number() > 0) return GroupElements{parts, "robot"};
@@ -54,9 +54,8 @@ class Walker {
         std::vector<int> assemblies{pick()};
         for (const OutlineElement& e : scene.elements)
           if (e.tag == "assembly") assemblies.push_back(e.id);
-        return DisassembleElement{
-            assemblies[static_cast<std::size_t>(std::uniform_int_distribution<int>(
-                0, static_cast<int>(assemblies.size()) - 1)(random_))]};
+        return DisassembleElement{assemblies[std::uniform_int_distribution<int>(
+            0, static_cast<int>(assemblies.size()) - 1)(random_)]};
       }
       case 7: {
         Pose pose;

@@ -45,8 +45,8 @@ TEST_CASE("a template is a scene of its own that can use the scene's materials",
   CHECK(near(inside.bodies[0].X_WB.p, Vec3(0, 0, 1)));
   CHECK(inside.joints.size() == 1);
   const auto material = [&](int body) {
-    const Shape& shape = inside.bodies[static_cast<std::size_t>(body)].shapes[0];
-    return inside.materials[static_cast<std::size_t>(shape.material)];
+    const Shape& shape = inside.bodies[body].shapes[0];
+    return inside.materials[shape.material];
   };
   CHECK(material(0).name == "ice");
   CHECK(material(0).friction == 0.1);
@@ -159,9 +159,11 @@ TEST_CASE("rules in a prototype refer to the elements beside them", "[events]") 
 
 TEST_CASE("with a supervisor in the scene unknown names are allowed", "[events]") {
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/>"
-                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") == "CG1302 CG1302");
+                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") ==
+        "CG1302 CG1302");
   CHECK(codes_of("<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> <supervisor plugin=\"referee\"/>"
-                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") == "CG2030 CG2030");
+                 "<on event=\"added(guest)\"> <make-static name=\"guest\"/> </on>") ==
+        "CG2030 CG2030");
   // A warning, so that it runs; announced names give none.
   const std::string with =
       "<box name=\"a\" size=\"1 1 1\" mass=\"1\"/> "
@@ -175,8 +177,9 @@ TEST_CASE("with a supervisor in the scene unknown names are allowed", "[events]"
   CHECK(codes_of(with + "<region name=\"goal\" radius=\"1 m\" who=\"guest\" added=\"guest\"/>"
                         "<on added=\"box guest\" event=\"added(guest)\" if=\"guest.z gt 1 m\"> "
                         "<make-static name=\"guest.arm\"/> </on>") == "");
-  CHECK(codes_of(with + "<on added=\"guest\" when=\"gest.z gt 1 m\"> <make-static name=\"guests\"/> "
-                        "</on>") == "CG2030 CG2030");
+  CHECK(codes_of(with +
+                 "<on added=\"guest\" when=\"gest.z gt 1 m\"> <make-static name=\"guests\"/> "
+                 "</on>") == "CG2030 CG2030");
   // Bad grammar stays an error, and so does something of another kind.
   CHECK(codes_of(with + "<on when=\"a.z gt\"> <make-static name=\"a\"/> </on>") == "CG1308");
   CHECK(codes_of(with + "<on time=\"1 s\"> <drive motor=\"a\" target=\"1\"/> </on>") == "CG1302");

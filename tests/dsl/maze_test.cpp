@@ -111,7 +111,7 @@ TEST_CASE("a maze's walls are few long boxes of its assembly", "[maze]") {
     REQUIRE(b.shapes.size() == 1);
     CHECK(near(b.X_WB.p, Vec3(10 + (e.x0 + e.x1) / 2, (e.y0 + e.y1) / 2, 0.25)));
     CHECK(near(b.shapes[0].size, Vec3(e.x1 - e.x0, e.y1 - e.y0, 0.5)));
-    const Material& material = model->materials[static_cast<std::size_t>(b.shapes[0].material)];
+    const Material& material = model->materials[b.shapes[0].material];
     CHECK(material.friction == 0.3);
     CHECK(material.color.r == Approx(0x80 / 255.0));  // the maze's own color wins
   }
@@ -237,13 +237,13 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
     // An opening is as wide as a cell less its two half posts.
     CHECK(door.open == Approx(0.9));
     CHECK(door.starts_open == (i == 1));
-    const Motor& motor = model->motors[static_cast<std::size_t>(door.motor)];
+    const Motor& motor = model->motors[door.motor];
     CHECK(motor.name == door.name + ".drive");
     CHECK(motor.mode == MotorMode::position);
     CHECK(motor.max_effort == 30.0);
     CHECK(motor.max_speed == 0.2);
     CHECK(motor.target == (i == 1 ? door.open : 0.0));
-    const Joint& slide = model->joints[static_cast<std::size_t>(motor.joint)];
+    const Joint& slide = model->joints[motor.joint];
     CHECK(slide.type == JointType::slider);
     CHECK(slide.parent == kWorld);
     CHECK(slide.axes[0].lower < 0.0);
@@ -259,7 +259,7 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
     CHECK(panel.size.x() * panel.size.y() == Approx(0.06 * 0.898));
     CHECK(panel.X_BS.p.z() - 0.5 * panel.size.z() == Approx(0.002));
     CHECK(panel.X_BS.p.z() + 0.5 * panel.size.z() == Approx(0.498));
-    CHECK(model->materials[static_cast<std::size_t>(panel.material)].color.b == 1.0);
+    CHECK(model->materials[panel.material].color.b == 1.0);
   }
   // The wall it slides into does not stop it; everything else does.
   const CollisionFilter filter(*model);

@@ -44,8 +44,8 @@ TEST_CASE("textures and their sizes are in the model", "[dsl]") {
   INFO(dsl::to_text(result.diagnostics));
   REQUIRE(result.ok());
   const auto material = [&](int body) -> const Material& {
-    const Shape& shape = result.model->bodies[static_cast<std::size_t>(body)].shapes[0];
-    return result.model->materials[static_cast<std::size_t>(shape.material)];
+    const Shape& shape = result.model->bodies[body].shapes[0];
+    return result.model->materials[shape.material];
   };
   const auto index = [&](const char* name) { return find_body(*result.model, name); };
   const Material& plain = material(index("plain"));

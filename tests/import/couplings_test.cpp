@@ -32,7 +32,7 @@ TEST_CASE("mimic becomes a coupling", "[urdf]") {
   REQUIRE(in.model);
   const SceneModel& model = *in.model;
   REQUIRE(model.couplings.size() == 2);
-  const auto named = [&](int joint) { return model.joints[static_cast<std::size_t>(joint)].name; };
+  const auto named = [&](int joint) { return model.joints[joint].name; };
   CHECK(named(model.couplings[0].joint) == "r.first");
   CHECK(named(model.couplings[0].terms.at(0).joint) == "r.zero");
   CHECK(model.couplings[0].terms.at(0).ratio == 2.0);

@@ -62,8 +62,8 @@ std::map<std::string, Pose> poses_at(const SceneModel& model, const std::string&
   for (std::size_t round = 0; round < model.joints.size(); ++round)
     for (const Joint& j : model.joints) {
       if (j.parent < 0 || j.child < 0) continue;
-      const std::string parent = tail(model.bodies[static_cast<std::size_t>(j.parent)].name);
-      const std::string child = tail(model.bodies[static_cast<std::size_t>(j.child)].name);
+      const std::string parent = tail(model.bodies[j.parent].name);
+      const std::string child = tail(model.bodies[j.child].name);
       if (out.count(parent) == 0 || out.count(child) != 0) continue;
       const auto given = q.find(tail(j.name));
       const double value = given == q.end() ? 0.0 : given->second;

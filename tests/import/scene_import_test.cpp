@@ -53,7 +53,7 @@ TEST_CASE("a scene imports a robot as a prototype", "[scene]") {
     high = high.cwiseMax(v);
   }
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const auto at = [&](int i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    const auto at = [&](int i) { return mesh.vertices[t[i]]; };
     volume += at(0).dot(at(1).cross(at(2))) / 6.0;
   }
   CHECK((low - Vec3(0, -1, 0)).norm() < 1e-12);

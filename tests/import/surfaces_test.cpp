@@ -8,7 +8,7 @@ namespace {
 
 const Material& material_of(const Imported& in, const std::string& body) {
   const SceneModel& model = *in.model;
-  return model.materials[static_cast<std::size_t>(in.body(body).shapes.at(0).material)];
+  return model.materials[in.body(body).shapes.at(0).material];
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ Frame frame_of(SceneModelPtr model) {
 
 int color(ModelBuilder& builder, const std::string& name, double r, double g, double b) {
   const int material = builder.material(name, 0.5);
-  builder.model.materials[static_cast<std::size_t>(material)].color = {r, g, b, 1};
+  builder.model.materials[material].color = {r, g, b, 1};
   return material;
 }
 
@@ -131,8 +131,8 @@ TEST_CASE("the map agrees with a camera high above", "[map]") {
         ++unsure;
         continue;
       }
-      ++seen[static_cast<std::size_t>(expected)];
-      wrong += picture.bodies[static_cast<std::size_t>(row * kPixels + column)] != expected;
+      ++seen[expected];
+      wrong += picture.bodies[row * kPixels + column] != expected;
     }
   }
   CHECK(wrong == 0);
@@ -161,8 +161,7 @@ TEST_CASE("bodies are drawn in their colours, at their positions", "[map]") {
     const int column = static_cast<int>((frame.state.poses[b].p.x() + 2.0) * 200.0);
     const int row = static_cast<int>((1.5 - frame.state.poses[b].p.y()) * 200.0);
     const std::uint8_t* pixel = image->pixel(column, row);
-    const Color& c =
-        frame.model->materials[static_cast<std::size_t>(body.shapes[0].material)].color;
+    const Color& c = frame.model->materials[body.shapes[0].material].color;
     CHECK(std::abs(pixel[0] - 255.0 * c.r) <= 1.0);
     CHECK(std::abs(pixel[1] - 255.0 * c.g) <= 1.0);
     CHECK(std::abs(pixel[2] - 255.0 * c.b) <= 1.0);

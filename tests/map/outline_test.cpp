@@ -25,7 +25,7 @@ Quat turned(double angle, const Vec3& axis) { return Quat(Eigen::AngleAxisd(angl
 
 // The outline of a single body's single shape.
 std::vector<std::vector<Eigen::Vector2d>> outline(const ModelBuilder& builder, int body) {
-  const Body& b = builder.model.bodies[static_cast<std::size_t>(body)];
+  const Body& b = builder.model.bodies[body];
   return plan_outline(builder.model, b.shapes.front(), b.X_WB);
 }
 

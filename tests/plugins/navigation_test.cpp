@@ -33,19 +33,19 @@ MazeModel open_maze(int rows, int columns) {
   maze.vertical.assign(static_cast<std::size_t>(rows * (columns + 1)), MazeModel::kOpen);
   maze.horizontal.assign(static_cast<std::size_t>((rows + 1) * columns), MazeModel::kOpen);
   for (int row = 0; row < rows; ++row) {
-    maze.vertical[static_cast<std::size_t>(row * (columns + 1))] = MazeModel::kWall;
-    maze.vertical[static_cast<std::size_t>(row * (columns + 1) + columns)] = MazeModel::kWall;
+    maze.vertical[row * (columns + 1)] = MazeModel::kWall;
+    maze.vertical[row * (columns + 1) + columns] = MazeModel::kWall;
   }
   for (int column = 0; column < columns; ++column) {
-    maze.horizontal[static_cast<std::size_t>(column)] = MazeModel::kWall;
-    maze.horizontal[static_cast<std::size_t>(rows * columns + column)] = MazeModel::kWall;
+    maze.horizontal[column] = MazeModel::kWall;
+    maze.horizontal[rows * columns + column] = MazeModel::kWall;
   }
   return maze;
 }
 
 /// Puts something west of a cell.
 void west_of(MazeModel& maze, int row, int column, int what) {
-  maze.vertical[static_cast<std::size_t>(row * (maze.columns + 1) + column)] = what;
+  maze.vertical[row * (maze.columns + 1) + column] = what;
 }
 
 /// A vehicle that follows every command, every 10 ms, and stops at a wall seen by its front.
@@ -195,7 +195,7 @@ TEST_CASE("of equally short paths the one with detours risks less", "[navigation
   // walled off into a corridor.
   MazeModel maze = open_maze(3, 3);
   for (const int column : {1, 2}) {
-    maze.horizontal[static_cast<std::size_t>(maze.columns + column)] = MazeModel::kWall;
+    maze.horizontal[maze.columns + column] = MazeModel::kWall;
   }
   west_of(maze, 1, 2, MazeModel::kWall);
   const auto found = risks(cogrsim::grid_of(maze), {0, 0}, {2, 2});
@@ -216,7 +216,7 @@ TEST_CASE("of equally short paths the one with detours risks less", "[navigation
   // and (1, 2), since there the third row leads around.
   MazeModel rows = open_maze(3, 4);
   for (const int column : {1, 2}) {
-    rows.horizontal[static_cast<std::size_t>(rows.columns + column)] = MazeModel::kWall;
+    rows.horizontal[rows.columns + column] = MazeModel::kWall;
   }
   const auto actions = risks(cogrsim::grid_of(rows), {0, 0}, {1, 3});
   REQUIRE(actions.size() == 2);

@@ -19,9 +19,7 @@ class Bench final : public SensorContext {
     frame_.model = model;
     for (const Body& body : model->bodies) frame_.state.poses.push_back(body.X_WB);
   }
-  void place(int body, const Pose& pose) {
-    frame_.state.poses[static_cast<std::size_t>(body)] = pose;
-  }
+  void place(int body, const Pose& pose) { frame_.state.poses[body] = pose; }
   const Frame& frame() const override { return frame_; }
   const RayCaster& rays() override {
     rays_.update(frame_.model, frame_.state.poses);
@@ -30,8 +28,8 @@ class Bench final : public SensorContext {
   Color surface_color(const RayHit& hit) override {
     const SceneModel& model = *frame_.model;
     const auto body = static_cast<std::size_t>(hit.body);
-    const Shape& shape = model.bodies[body].shapes[static_cast<std::size_t>(hit.shape)];
-    const Material& material = model.materials[static_cast<std::size_t>(shape.material)];
+    const Shape& shape = model.bodies[body].shapes[hit.shape];
+    const Material& material = model.materials[shape.material];
     const auto picture = textures_.texture(material);
     if (!picture) return material.color;
     const Pose X_SW = (frame_.state.poses[body] * shape.X_BS).inverse();

@@ -32,7 +32,7 @@ class MemorySink final : public mcap::Sink {
     return {};
   }
   Result<> cut(std::uint64_t size) override {
-    disk_.bytes.resize(static_cast<std::size_t>(size));
+    disk_.bytes.resize(size);
     return {};
   }
 

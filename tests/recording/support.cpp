@@ -114,9 +114,9 @@ ModelBuilder busy_scene() {
                                  Pose(Vec3(-1, 0, 0.5), Quat(1, 0, 0, 0)));
   const int robot = builder.assembly("robot", {wheel}, {axle});
   const int motor = builder.motor("robot.motor", axle, MotorMode::velocity);
-  builder.model.motors[static_cast<std::size_t>(motor)].assembly = robot;
-  builder.model.motors[static_cast<std::size_t>(motor)].target = 3.0;
-  builder.model.joints[static_cast<std::size_t>(axle)].axes[0].damping = 1e-3;
+  builder.model.motors[motor].assembly = robot;
+  builder.model.motors[motor].target = 3.0;
+  builder.model.joints[axle].axes[0].damping = 1e-3;
 
   std::vector<SensorModel>& sensors = builder.model.sensors;
   using Kind = NoiseTerm::Kind;

@@ -259,7 +259,7 @@ TEST_CASE("hidden and invisible things are not drawn", "[rendering]") {
   const int front = builder.box("front", Vec3(0.2, 1, 1), 1.0, at(2, 0, 0));
   const int back = builder.box("back", Vec3(0.2, 2, 2), 1.0, at(3, 0, 0));
   const int ghost = builder.box("ghost", Vec3(0.2, 1, 1), 1.0, at(1, 0, 0));
-  builder.model.bodies[static_cast<std::size_t>(ghost)].shapes[0].visible = false;
+  builder.model.bodies[ghost].shapes[0].visible = false;
   const SceneModelPtr model = builder.build();
   RenderRequest request = request_of(make_camera(Pose(), 32, 32, 0.5));
   CHECK(body_at(take(model, request), 16, 16) == front);

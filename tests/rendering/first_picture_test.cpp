@@ -74,7 +74,7 @@ TEST_CASE("bodies without a colour get one by their index, others keep theirs", 
   const int wall = builder.box("wall", Vec3(1, 1, 1), 0.0, at(0, 5, 0));
   const SceneModelPtr model = builder.build();
   const auto color_of = [&](int body) {
-    return shown_color(*model, body, model->bodies[static_cast<std::size_t>(body)].shapes.front());
+    return shown_color(*model, body, model->bodies[body].shapes.front());
   };
   for (int i = 0; i < 8; ++i) seen.insert({color_of(i).r, color_of(i).g, color_of(i).b});
   CHECK(seen.size() == 8);

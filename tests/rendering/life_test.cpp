@@ -139,7 +139,7 @@ TEST_CASE("a renderer can be released with its loader and loaded again", "[rende
 TEST_CASE("things behind glass are visible", "[rendering]") {
   ModelBuilder builder;
   const int glass = colored(builder, 0, 0, 1);
-  builder.model.materials[static_cast<std::size_t>(glass)].color.a = 0.4;
+  builder.model.materials[glass].color.a = 0.4;
   builder.box("pane", Vec3(0.05, 1, 1), 1.0, at(1, 0, 0), glass);
   builder.box("wall", Vec3(0.1, 9, 9), 1.0, at(3, 0, 0), colored(builder, 1, 0, 0));
   const Picture picture = take(builder.build(), request_of(make_camera(Pose(), 32, 32, 0.5)));

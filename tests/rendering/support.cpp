@@ -38,7 +38,7 @@ Pose look(const Vec3& eye, const Vec3& at) {
 
 int colored(ModelBuilder& builder, double r, double g, double b) {
   const int index = builder.material("m" + std::to_string(builder.model.materials.size()), 0.5);
-  builder.model.materials[static_cast<std::size_t>(index)].color = {r, g, b, 1.0};
+  builder.model.materials[index].color = {r, g, b, 1.0};
   return index;
 }
 

@@ -47,7 +47,7 @@ char color_of(const Rgb& p) {
 
 int textured_material(ModelBuilder& builder) {
   const int material = colored(builder, 1, 1, 1);
-  builder.model.materials[static_cast<std::size_t>(material)].texture = quarters();
+  builder.model.materials[material].texture = quarters();
   return material;
 }
 
@@ -74,8 +74,7 @@ TEST_CASE("textures lie on every shape as the rule says", "[rendering]") {
   ModelBuilder builder;
   const int material = textured_material(builder);
   if (tiled) {
-    builder.model.materials[static_cast<std::size_t>(material)].texture_size =
-        Eigen::Vector2d(0.7, 0.5);
+    builder.model.materials[material].texture_size = Eigen::Vector2d(0.7, 0.5);
   }
   const Pose pose(Vec3(0.1, -0.05, 0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
   TriangleMesh mesh;
@@ -127,7 +126,7 @@ TEST_CASE("textures lie on every shape as the rule says", "[rendering]") {
   const Camera camera = make_camera(look(eye, Vec3(0, 0, 0)), 160, 120, 0.9);
   const Picture picture = take(model, request_of(camera));
   TextureStore store;
-  const auto image = store.texture(model->materials[static_cast<std::size_t>(material)]);
+  const auto image = store.texture(model->materials[material]);
   REQUIRE(image);
   RayCaster caster;
   caster.update(model, {model->bodies[0].X_WB});
@@ -169,7 +168,7 @@ TEST_CASE("textures lie on every shape as the rule says", "[rendering]") {
 TEST_CASE("a texture is multiplied by the material's colour", "[rendering]") {
   ModelBuilder builder;
   const int material = textured_material(builder);
-  builder.model.materials[static_cast<std::size_t>(material)].color = {1, 0, 1, 1};
+  builder.model.materials[material].color = {1, 0, 1, 1};
   builder.box("wall", Vec3(0.2, 2, 2), 0.0, at(3.1, 0, 0), material);
   const Picture picture = take(builder.build(), request_of(make_camera(Pose(), 120, 120, 0.7)));
   const Rgb red = pixel(picture, 35, 35), green = pixel(picture, 85, 35),

@@ -27,7 +27,7 @@ struct World {
     frame.model = model;
     for (const Body& body : model->bodies) frame.state.poses.push_back(body.X_WB);
     frame.state.twists.resize(model->bodies.size());
-    frame.state.joint_positions.resize(static_cast<std::size_t>(model->joint_positions));
+    frame.state.joint_positions.resize(model->joint_positions);
   }
   SignalScope scope() const { return {*model, built_in_channels(*model), {}}; }
   double value(const std::string& text) const {
@@ -301,7 +301,7 @@ TEST_CASE("capsules and hulls and meshes and heightmaps have distances too", "[d
   b.model.heightmaps.push_back(std::make_shared<const HeightGrid>(grid));
   const auto shaped = [&](const char* name, ShapeType type, const Pose& X) {
     const int index = b.box(name, Vec3::Ones(), 1.0, X);
-    Shape& shape = b.model.bodies[static_cast<std::size_t>(index)].shapes[0];
+    Shape& shape = b.model.bodies[index].shapes[0];
     shape.type = type;
     shape.mesh = mesh;
     shape.heightmap = 0;

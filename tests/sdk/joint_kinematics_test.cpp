@@ -43,7 +43,7 @@ std::vector<double> random_position(JointType type, RandomStream& random, double
   if (const int at = quaternion_at(type); at >= 0) {
     const Quat r = random_rotation(random);
     const double parts[4] = {r.w(), r.x(), r.y(), r.z()};
-    for (int i = 0; i < 4; ++i) q[static_cast<std::size_t>(at + i)] = parts[i];
+    for (int i = 0; i < 4; ++i) q[at + i] = parts[i];
   }
   return q;
 }
@@ -81,7 +81,7 @@ TEST_CASE("only rotational axes have an angular speed", "[joints]") {
   const std::vector<double> q = random_position(joint.type, random, 1.0);
   for (int i = 0; i < speed_count(joint.type); ++i) {
     std::vector<double> u(static_cast<std::size_t>(speed_count(joint.type)), 0.0);
-    u[static_cast<std::size_t>(i)] = 1.0;
+    u[i] = 1.0;
     CAPTURE(to_string(joint.type), i);
     const double spin = joint_twist(joint, q.data(), u.data()).angular.norm();
     CHECK(spin == Approx(axis_turns(joint.type, i) ? 1.0 : 0.0).margin(1e-12));

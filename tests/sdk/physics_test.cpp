@@ -101,8 +101,8 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
     CHECK_THAT(found[1].message, Contains("contact of box and plane"));
   }
   SECTION("whichever of the two types moves") {
-    b.model.bodies[static_cast<std::size_t>(c)].kind = BodyKind::fixed;
-    b.model.bodies[static_cast<std::size_t>(a)].kind = BodyKind::fixed;
+    b.model.bodies[c].kind = BodyKind::fixed;
+    b.model.bodies[a].kind = BodyKind::fixed;
     b.sphere("ball", 0.1, 1, at(9));
     const auto found = check_capabilities(*b.build(), "test", caps);
     REQUIRE(found.size() == 1);
@@ -125,7 +125,7 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
 TEST_CASE("all other features of a scene are checked", "[capabilities]") {
   ModelBuilder b;
   const int a = b.sphere("a", 0.1, 1, at(0)), c = b.sphere("c", 0.1, 1, at(1));
-  b.model.bodies[static_cast<std::size_t>(c)].kind = BodyKind::kinematic;
+  b.model.bodies[c].kind = BodyKind::kinematic;
   b.model.materials[0].stiffness = 1e5;
   b.joint("first", JointType::hinge, c, a, at(0));
   Joint& second =
@@ -149,7 +149,7 @@ TEST_CASE("energy and momentum of a body with an offset centre of mass", "[frame
   ModelBuilder b;
   b.model.physics.gravity = Vec3(0, -2, -9.81);
   const int body = b.body("rod", 2.0, Mat3(Vec3(0.1, 0.2, 0.25).asDiagonal()), at(1, 0, 3));
-  Body& rod = b.model.bodies[static_cast<std::size_t>(body)];
+  Body& rod = b.model.bodies[body];
   rod.com = Vec3(0.5, 0, 0);
   rod.X_WB.q = Quat(Eigen::AngleAxisd(1.5707963267948966, Vec3::UnitZ()));  // x of it to y
   rod.V_WB = {Vec3(1, 0, 0), Vec3(0, 0, 4)};

@@ -75,7 +75,7 @@ void offer_grid(Line& line, const HeightGrid& grid) {
   const auto corner = [&](int column, int row) {
     return Vec(Real(grid.size_x) * (Real(column) / (grid.columns - 1) - 0.5L),
                Real(grid.size_y) * (Real(row) / (grid.rows - 1) - 0.5L),
-               grid.heights[static_cast<std::size_t>(row * grid.columns + column)]);
+               grid.heights[row * grid.columns + column]);
   };
   for (int row = 0; row + 1 < grid.rows; ++row) {
     for (int column = 0; column + 1 < grid.columns; ++column) {
@@ -120,16 +120,15 @@ void offer_shape(Line& line, const SceneModel& model, const Shape& shape) {
       break;
     case ShapeType::convex_mesh:
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[shape.mesh];
       for (const Eigen::Vector3i& t : mesh.triangles) {
-        offer_triangle(line, widen(mesh.vertices[static_cast<std::size_t>(t[0])]),
-                       widen(mesh.vertices[static_cast<std::size_t>(t[1])]),
-                       widen(mesh.vertices[static_cast<std::size_t>(t[2])]));
+        offer_triangle(line, widen(mesh.vertices[t[0]]), widen(mesh.vertices[t[1]]),
+                       widen(mesh.vertices[t[2]]));
       }
       break;
     }
     case ShapeType::heightmap:
-      offer_grid(line, *model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
+      offer_grid(line, *model.heightmaps[shape.heightmap]);
       break;
   }
 }
@@ -143,7 +142,7 @@ Real bounding_radius(const SceneModel& model, const Shape& shape) {
     case ShapeType::convex_mesh:
     case ShapeType::mesh: {
       Real most = 0;
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
+      for (const Vec3& v : model.meshes[shape.mesh]->vertices)
         most = std::max(most, widen(v).norm());
       return most;
     }

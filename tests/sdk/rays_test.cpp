@@ -299,9 +299,9 @@ TEST_CASE("no ray gets through between the triangles of a mesh", "[rays]") {
   const World world(builder.build());
   const TriangleMesh& mesh = *world.model->meshes[0];
   for (int i = 0; i < 3000; ++i) {
-    const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(i % 8)];
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[i / 8 % 3])];
-    const Vec3& b = mesh.vertices[static_cast<std::size_t>(t[(i / 8 + 1) % 3])];
+    const Eigen::Vector3i& t = mesh.triangles[i % 8];
+    const Vec3& a = mesh.vertices[t[i / 8 % 3]];
+    const Vec3& b = mesh.vertices[t[(i / 8 + 1) % 3]];
     const double part = i % 5 == 0 ? 0.0 : random.uniform();
     const Vec3 target = pose * Vec3(a + part * (b - a));
     const RayHit hit = world.rays.cast(ray_from(pose.p, target - pose.p));
@@ -466,9 +466,7 @@ TEST_CASE("visible and colliding shapes are distinguished", "[rays]") {
   const int glass = builder.box("glass", {1, 1, 1}, 1.0, {Vec3(6, 0, 0), Quat(1, 0, 0, 0)});
   const int wall = builder.box("wall", {1, 1, 1}, 1.0, {Vec3(9, 0, 0), Quat(1, 0, 0, 0)});
   const int idea = builder.box("idea", {1, 1, 1}, 1.0, {Vec3(1.5, 0, 0), Quat(1, 0, 0, 0)});
-  const auto shape = [&](int body) -> Shape& {
-    return builder.model.bodies[static_cast<std::size_t>(body)].shapes[0];
-  };
+  const auto shape = [&](int body) -> Shape& { return builder.model.bodies[body].shapes[0]; };
   shape(ghost).collides = false;
   shape(glass).visible = false;
   shape(idea).visible = shape(idea).collides = false;

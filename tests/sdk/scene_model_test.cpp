@@ -57,8 +57,7 @@ TEST_CASE("the joint that closes a loop is the later one", "[model]") {
   b.joint("3", JointType::hinge, bars[1], bars[2], at(2));
   b.joint("4", JointType::hinge, post, bars[2], at(3));  // a static body is ground, too
   const SceneModelPtr model = b.build();
-  for (int i = 0; i < 4; ++i)
-    CHECK(model->joints[static_cast<std::size_t>(i)].closes_loop == (i == 3));
+  for (int i = 0; i < 4; ++i) CHECK(model->joints[i].closes_loop == (i == 3));
 }
 
 TEST_CASE("the collision filter excludes bodies that must not touch", "[model]") {
@@ -68,8 +67,8 @@ TEST_CASE("the collision filter excludes bodies that must not touch", "[model]")
   const int wall = b.box("wall", Vec3::Ones(), 0, at(3));
   const int lift = b.box("lift", Vec3::Ones(), 1, at(4)),
             belt = b.box("belt", Vec3::Ones(), 1, at(5));
-  b.model.bodies[static_cast<std::size_t>(lift)].kind = BodyKind::kinematic;
-  b.model.bodies[static_cast<std::size_t>(belt)].kind = BodyKind::kinematic;
+  b.model.bodies[lift].kind = BodyKind::kinematic;
+  b.model.bodies[belt].kind = BodyKind::kinematic;
   b.joint("base", JointType::hinge, kWorld, arm, at(1));
   b.joint("elbow", JointType::hinge, arm, hand, at(1.5));
   b.model.joints[static_cast<std::size_t>(b.joint("rub", JointType::hinge, hand, ball, at(0)))]
@@ -93,7 +92,7 @@ TEST_CASE("the collision filter excludes bodies that must not touch", "[model]")
     CHECK_FALSE(filter.collide(kWorld, ball));
   }
   SECTION("removed bodies neither touch nor exclude") {
-    b.model.bodies[static_cast<std::size_t>(ball)].removed = true;
+    b.model.bodies[ball].removed = true;
     b.model.joints[1].removed = true;
     const CollisionFilter filter(*b.build());
     CHECK_FALSE(filter.collide(ball, arm));
@@ -104,7 +103,7 @@ TEST_CASE("the collision filter excludes bodies that must not touch", "[model]")
 TEST_CASE("the filter holds a long list of pairs", "[model]") {
   SceneModel model;
   const int n = 300;
-  model.bodies.resize(static_cast<std::size_t>(n));
+  model.bodies.resize(n);
   const auto excluded = [](int a, int b) { return (a * 7 + b * 7) % 3 == 0; };
   for (int a = 0; a < n; ++a) {
     for (int b = a + 1; b < n; ++b) {
@@ -126,7 +125,7 @@ TEST_CASE("the scene sets the contact of two materials", "[model]") {
   ModelBuilder b;
   const int ice = b.material("ice", 0.04, 0.1), rubber = b.material("rubber", 1.0, 0.8);
   const int wet = b.material("", 0.5, 0.0);  // an override of rubber
-  b.model.materials[static_cast<std::size_t>(wet)].base = rubber;
+  b.model.materials[wet].base = rubber;
 
   SECTION("by the general rule") {
     const SurfacePair pair = surface_pair(b.model, ice, rubber);
@@ -137,9 +136,9 @@ TEST_CASE("the scene sets the contact of two materials", "[model]") {
     CHECK(pair.spinning_friction == 0.0);
   }
   SECTION("the larger rolling and spinning friction holds") {
-    b.model.materials[static_cast<std::size_t>(ice)].rolling_friction = 1e-3;
-    b.model.materials[static_cast<std::size_t>(rubber)].rolling_friction = 3e-3;
-    b.model.materials[static_cast<std::size_t>(ice)].spinning_friction = 2e-3;
+    b.model.materials[ice].rolling_friction = 1e-3;
+    b.model.materials[rubber].rolling_friction = 3e-3;
+    b.model.materials[ice].spinning_friction = 2e-3;
     CHECK(surface_pair(b.model, ice, rubber).rolling_friction == 3e-3);
     CHECK(surface_pair(b.model, rubber, ice).spinning_friction == 2e-3);
     MaterialPair own;
@@ -151,9 +150,9 @@ TEST_CASE("the scene sets the contact of two materials", "[model]") {
     CHECK(surface_pair(b.model, ice, rubber).spinning_friction == 2e-3);  // not in the entry
   }
   SECTION("stiffnesses act in series") {
-    b.model.materials[static_cast<std::size_t>(ice)].stiffness = 3e4;
+    b.model.materials[ice].stiffness = 3e4;
     CHECK(*surface_pair(b.model, ice, rubber).stiffness == 3e4);
-    b.model.materials[static_cast<std::size_t>(rubber)].stiffness = 6e4;
+    b.model.materials[rubber].stiffness = 6e4;
     CHECK(*surface_pair(b.model, rubber, ice).stiffness == Approx(2e4));
   }
   SECTION("by the pair's own entry, for overrides too") {
@@ -175,8 +174,8 @@ TEST_CASE("an assembly has the bodies of those inside it", "[model]") {
   const int d = b.sphere("d", 0.1, 1, at(2)), e = b.sphere("e", 0.1, 1, at(3));
   const int robot = b.assembly("robot", {a}), gripper = b.assembly("robot.gripper", {c, d});
   b.assembly("table", {e});
-  b.model.assemblies[static_cast<std::size_t>(gripper)].parent = robot;
-  b.model.bodies[static_cast<std::size_t>(d)].removed = true;
+  b.model.assemblies[gripper].parent = robot;
+  b.model.bodies[d].removed = true;
   CHECK(bodies_of(b.model, robot) == std::vector<int>{a, c});
   CHECK(bodies_of(b.model, gripper) == std::vector<int>{c});
 }
@@ -185,7 +184,7 @@ TEST_CASE("names are looked up among existing elements", "[model]") {
   ModelBuilder b;
   const int a = b.sphere("a", 0.1, 1, at(0)), again = b.sphere("a", 0.1, 1, at(0));
   CHECK(find_body(b.model, "a") == a);
-  b.model.bodies[static_cast<std::size_t>(a)].removed = true;
+  b.model.bodies[a].removed = true;
   CHECK(find_body(b.model, "a") == again);
   CHECK(find_body(b.model, "b") == -1);
   CHECK(find_joint(b.model, "a") == -1);

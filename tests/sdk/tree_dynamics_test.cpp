@@ -24,7 +24,7 @@ TEST_CASE("Coriolis terms agree with the change of the mass matrix", "[dynamics]
   builder.joint("base", type, kWorld, first, Pose());
   const int joint =
       builder.joint("tip", type, first, second, Pose(Vec3(0.2, 0, 0.8), Quat(1, 0, 0, 0)));
-  builder.model.joints[static_cast<std::size_t>(joint)].pitch = 0.1;
+  builder.model.joints[joint].pitch = 0.1;
   const SceneModelPtr model = builder.build();
   WorldState state;
   state.poses.resize(2);

@@ -92,8 +92,8 @@ TEST_CASE("worlds of a batch are single simulations bit for bit on any number of
   }
   for (int i = 0; i < kWorlds; ++i) {
     SimulationOptions alone;
-    alone.seed = options.seeds[static_cast<std::size_t>(i)];
-    const auto single = simulate(scenes[static_cast<std::size_t>(i)], backend, alone);
+    alone.seed = options.seeds[i];
+    const auto single = simulate(scenes[i], backend, alone);
     for (int k = 0; k < kCalls; ++k) {
       single->send(SetMotor{"arm.push", target(i, k)});
       for (int n = 0; n < kSteps; ++n) single->step();
@@ -102,7 +102,7 @@ TEST_CASE("worlds of a batch are single simulations bit for bit on any number of
     CAPTURE(backend, i);
     CHECK(state_hash(batch->world(i).frame()->state) == state_hash(frame->state));
     CHECK(batch->observations()(i, 2) == frame->readings[0].values[0]);
-    CHECK(batch->steps_made()[static_cast<std::size_t>(i)] == kSteps);
+    CHECK(batch->steps_made()[i] == kSteps);
   }
   // The ball was hit, and the worlds are independent.
   CHECK(batch->observations()(0, 0) > 0.25);
@@ -241,7 +241,7 @@ TEST_CASE("controllers in a batch run and fault each in its own world", "[batch]
   batch->step(200);
   for (int i = 0; i < 6; ++i) {
     CAPTURE(i);
-    CHECK((batch->ends()[static_cast<std::size_t>(i)] == EpisodeEnd::fault) == (i == 3));
+    CHECK((batch->ends()[i] == EpisodeEnd::fault) == (i == 3));
   }
   CHECK(batch->end_message(3).find("cell 9 of 8") != std::string::npos);
   CHECK(batch->observations()(0, 0) != 0.0);
@@ -319,12 +319,12 @@ TEST_CASE("a batch rewards with a signal at the end of each call, also of an end
   batch->actions().setConstant(1.0);
   batch->step(20);
   for (int i = 0; i < 3; ++i) {
-    CHECK(batch->rewards()[static_cast<std::size_t>(i)] == 2.0 * batch->observations()(i, 0));
+    CHECK(batch->rewards()[i] == 2.0 * batch->observations()(i, 0));
   }
   batch->step(20);  // the episode ends after 30 steps, and the next one has begun
   for (int i = 0; i < 3; ++i) {
-    REQUIRE(batch->ends()[static_cast<std::size_t>(i)] == EpisodeEnd::time);
-    CHECK(batch->rewards()[static_cast<std::size_t>(i)] == 2.0 * batch->final_observations()(i, 0));
+    REQUIRE(batch->ends()[i] == EpisodeEnd::time);
+    CHECK(batch->rewards()[i] == 2.0 * batch->final_observations()(i, 0));
   }
   options.reward = "bal.x";
   const auto refused = Batch::create(knocker(), 1, options, loader());

@@ -171,7 +171,7 @@ TEST_CASE("a camera on a moving cart sees the wall come nearer", "[sensors][came
   builder.model.physics.gravity = Vec3::Zero();
   const Quat upright(1, 0, 0, 0);
   const int cart = builder.box("cart", Vec3(0.4, 0.2, 0.1), 1.0, Pose(Vec3(0, 0, 1), upright));
-  builder.model.bodies[static_cast<std::size_t>(cart)].V_WB.linear = Vec3(1, 0, 0);
+  builder.model.bodies[cart].V_WB.linear = Vec3(1, 0, 0);
   const int wall = builder.box("wall", Vec3(0.2, 4, 4), 0.0, Pose(Vec3(3.1, 0, 1), upright));
   builder.model.sensors = {camera("eye", cart, Vec3(0.25, 0, 0))};
   builder.model.sensors[0].rate = 5.0;

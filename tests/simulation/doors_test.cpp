@@ -20,7 +20,7 @@ SceneModelPtr compiled(const std::string& inside) {
 const Pose& pose_of(const Simulation& simulation, const FramePtr& frame, const std::string& name) {
   const int body = find_body(*simulation.model(), name);
   REQUIRE(body >= 0);
-  return frame->state.poses[static_cast<std::size_t>(body)];
+  return frame->state.poses[body];
 }
 
 /// Of any body in any frame: an unstable simulation shows high speeds.
@@ -132,8 +132,8 @@ TEST_CASE("a closed door holds against loads along and across its direction of t
   const int ball = find_body(*simulation->model(), "ball");
   simulation->observe({}, [&](const FramePtr& frame) {
     most = std::max(most, std::abs(frame->state.joint_positions[0]));
-    bent = std::max(bent, std::abs(frame->state.poses[static_cast<std::size_t>(leaf)].p.y() - 0.5));
-    least = std::min(least, frame->state.poses[static_cast<std::size_t>(ball)].p.y());
+    bent = std::max(bent, std::abs(frame->state.poses[leaf].p.y() - 0.5));
+    least = std::min(least, frame->state.poses[ball].p.y());
   });
   simulation->run_until(3.0);
   // Where the ball hits, with 2 m/s at most, it drags the leaf along by friction, at no more than its

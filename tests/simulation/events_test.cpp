@@ -38,7 +38,7 @@ struct Yard {
     builder.model.motors[0].max_speed = 1.0;
     builder.model.motors[0].max_effort = 500.0;
     const int ball = builder.sphere("ball", 0.1, 1.0, at(0, 0, 1));
-    builder.model.bodies[static_cast<std::size_t>(ball)].V_WB.linear = Vec3(0, 1, 0);
+    builder.model.bodies[ball].V_WB.linear = Vec3(0, 1, 0);
     DoorModel made;
     made.name = "door";
     made.motor = motor;
@@ -178,8 +178,7 @@ TEST_CASE("copies of a template are added with clearance and removed after their
   const int ball = find_body(*simulation->model(), "Ball_2.ball");
   REQUIRE(ball >= 0);
   // It stays on the floor: it was placed there, not ejected from it.
-  CHECK(simulation->frame()->state.poses[static_cast<std::size_t>(ball)].p.z() ==
-        Approx(0.1).margin(1e-3));
+  CHECK(simulation->frame()->state.poses[ball].p.z() == Approx(0.1).margin(1e-3));
   simulation->run_until(1.0);
   CHECK(diary.count("removed") == 2);
   CHECK(diary.time_of("removed") == Approx(0.6).margin(2.1e-3));

@@ -76,8 +76,7 @@ TEST_CASE("a spin that is too fast for the step is reported once", "[faults]") {
     ModelBuilder builder("rotor");
     const int rotor = builder.cylinder("rotor", 0.1, 0.02, 1.0, Pose());
     builder.model.physics.gravity = Vec3::Zero();
-    builder.model.bodies[static_cast<std::size_t>(rotor)].V_WB.angular =
-        Vec3(0, 0, fast ? 1000.0 : 100.0);
+    builder.model.bodies[rotor].V_WB.angular = Vec3(0, 0, fast ? 1000.0 : 100.0);
     auto simulation = simulate(builder.build(), backend);
     simulation->run_until(0.2);
     const auto& messages = simulation->messages();

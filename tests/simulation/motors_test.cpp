@@ -69,7 +69,7 @@ TEST_CASE("the integral of a servo removes the error a load leaves", "[motors]")
   motor.target = 0.5;
   const double ki = motor.ki;
   const int load = scene.builder.motor("bot.load", scene.joint, MotorMode::torque);
-  scene.builder.model.motors[static_cast<std::size_t>(load)].target = -0.4;
+  scene.builder.model.motors[load].target = -0.4;
   auto simulation = simulate(scene.builder.build(), backend);
   simulation->run_until(8.0);
   const double expected = ki > 0.0 ? 0.5 : 0.5 - 0.4 / 2.0;
@@ -84,7 +84,7 @@ TEST_CASE("a velocity motor with and without a bound stays at a stop", "[motors]
   Motor& motor = scene.builder.model.motors[0];
   motor.target = 2.0;
   motor.max_effort = bound;
-  scene.builder.model.joints[static_cast<std::size_t>(scene.joint)].axes[0].upper = 0.5;
+  scene.builder.model.joints[scene.joint].axes[0].upper = 0.5;
   auto simulation = simulate(scene.builder.build(), backend);
   simulation->run_until(1.0);
   // The joint reaches its stop within one step, and stays within 1e-6 of it.

@@ -47,7 +47,7 @@ double value(const SceneModel& model, const std::string& quantity) {
 }
 
 const Body& body(const SceneModel& model, const std::string& name) {
-  return model.bodies[static_cast<std::size_t>(find_body(model, name))];
+  return model.bodies[find_body(model, name)];
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ TEST_CASE("every kind of quantity is drawn and written to the model", "[randomiz
   CHECK(body(*one, "ball").com.z() == value(*one, "ball.com.z"));
   CHECK(body(*one, "ball").X_WB.p.x() == Approx(value(*one, "ball.x")).epsilon(1e-12));
   const Shape& shape = body(*one, "ball").shapes.at(0);
-  const double friction = one->materials[static_cast<std::size_t>(shape.material)].friction;
+  const double friction = one->materials[shape.material].friction;
   CHECK((friction == 0.25 || friction == 0.75));
   // The assembly moves with its slide on the world.
   const double up = value(*one, "arm.z");

@@ -19,7 +19,7 @@ SensorModel sensor(const std::string& type, int body, const Pose& X_BS = {}) {
 }
 
 const std::vector<double>& values(const FramePtr& frame, int index) {
-  return frame->readings[static_cast<std::size_t>(index)].values;
+  return frame->readings[index].values;
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST_CASE("an imu's bias walks on accelerometer and gyroscope, each with its own
     double force = 0.0, spin = 0.0;
     const FramePtr frame = simulation->frame();
     for (int i = 0; i < kSensors; ++i) {
-      const std::vector<double>& v = frame->readings[static_cast<std::size_t>(i)].values;
+      const std::vector<double>& v = frame->readings[i].values;
       for (std::size_t k = 0; k < 3; ++k) {
         force += v[k] * v[k];
         spin += v[3 + k] * v[3 + k];

@@ -18,9 +18,9 @@
 
 #include "../support/temporary_folder.h"
 #include "bundle_html.h"
+#include "compare/report_pictures.h"
 #include "page.h"
 #include "payload.h"
-#include "compare/report_pictures.h"
 
 namespace {
 
@@ -249,7 +249,7 @@ TEST_CASE("a bundle holds scene and frames and curves and text", "[studio][bundl
   // The brick of the model is the one of the text.
   const int element = head["scenes"][0]["bodies"][0]["element"];
   REQUIRE(element > 0);
-  CHECK(head["elements"][static_cast<std::size_t>(element)]["name"] == "brick");
+  CHECK(head["elements"][element]["name"] == "brick");
 }
 
 TEST_CASE("a bundle's page runs its own scripts and sends no request", "[studio][bundle]") {
@@ -382,7 +382,7 @@ TEST_CASE("a recording is bundled with its scene's text", "[studio][bundle]") {
   CHECK(head["document"]["text"] == kFalling);
   const int element = head["scenes"][0]["bodies"][0]["element"];
   REQUIRE(element > 0);
-  CHECK(head["elements"][static_cast<std::size_t>(element)]["name"] == "brick");
+  CHECK(head["elements"][element]["name"] == "brick");
   CHECK(bundle({run, "--backend", "bullet", "-o", out}).status == 2);
 }
 

@@ -64,8 +64,8 @@ TEST_CASE("two hundred edits undone leave the text as it was", "[document][walk]
         const int one = pick_tag(kBodies);
         Json all = {one};
         for (const Json& e : tree)
-          if (e["parent"] == tree[static_cast<std::size_t>(one)]["parent"] && e["id"] != one &&
-              number() > 1 && kBodies.count(e["tag"].get<std::string>()) != 0)
+          if (e["parent"] == tree[one]["parent"] && e["id"] != one && number() > 1 &&
+              kBodies.count(e["tag"].get<std::string>()) != 0)
             all.push_back(e["id"]);
         op = {{"op", "assemble"}, {"elements", all}, {"name", "group"}};
         break;
@@ -95,8 +95,8 @@ TEST_CASE("two hundred edits undone leave the text as it was", "[document][walk]
       answer = requests.ask("set-text", {{"version", requests.version}, {"text", text}});
       REQUIRE(answer);
     } else {
-      answer =
-          requests.ask("edit", {{"version", requests.version}, {"ops", Json::array({op})}, {"label", "x"}});
+      answer = requests.ask(
+          "edit", {{"version", requests.version}, {"ops", Json::array({op})}, {"label", "x"}});
     }
     INFO(op);
     if (answer && requests.text() != before) {

@@ -331,8 +331,8 @@ TEST_CASE("silent connections keep no client out", "[studio][server]") {
   CHECK(read_reply(fifth).status == 200);
   CHECK(silent[0].rest().empty());
   for (int i = 1; i < 4; ++i) {
-    silent[static_cast<std::size_t>(i)].send(request);
-    CHECK(read_reply(silent[static_cast<std::size_t>(i)]).status == 200);
+    silent[i].send(request);
+    CHECK(read_reply(silent[i]).status == 200);
   }
   // Those that sent a request start again: now it is the fifth's turn.
   RawClient sixth(served.port);
@@ -367,8 +367,8 @@ TEST_CASE("one address has its share of the connections", "[studio][server]") {
   other.send(request);
   CHECK(read_reply(other).status == 200);
   for (int i = 1; i < 3; ++i) {
-    greedy[static_cast<std::size_t>(i)].send(request);
-    CHECK(read_reply(greedy[static_cast<std::size_t>(i)]).status == 200);
+    greedy[i].send(request);
+    CHECK(read_reply(greedy[i]).status == 200);
   }
 }
 

@@ -12,8 +12,8 @@
 #include "../support/snapshot_sum.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/simulation/snapshot_file.h"
-#include "process.h"
 #include "common/scene_loading.h"
+#include "process.h"
 
 using namespace cogrsim;
 using Catch::Contains;
@@ -74,8 +74,7 @@ double distance_between(Simulation& a, Simulation& b) {
     const Body& body = one->model->bodies[i];
     const int j = find_body(*other->model, body.name);
     if (body.removed || j < 0) continue;
-    most = std::max(
-        most, (one->state.poses[i].p - other->state.poses[static_cast<std::size_t>(j)].p).norm());
+    most = std::max(most, (one->state.poses[i].p - other->state.poses[j].p).norm());
   }
   return most;
 }
@@ -83,9 +82,7 @@ double distance_between(Simulation& a, Simulation& b) {
 /// The widest gap of a joint [m], which resuming closes: the joints' coordinates win.
 double widest_gap(Simulation& run) {
   const FramePtr frame = run.frame();
-  const auto pose_of = [&](int body) {
-    return body < 0 ? Pose() : frame->state.poses[static_cast<std::size_t>(body)];
-  };
+  const auto pose_of = [&](int body) { return body < 0 ? Pose() : frame->state.poses[body]; };
   double widest = 0.0;
   for (const Joint& joint : frame->model->joints) {
     const Pose X_FM = relative_pose(joint, pose_of(joint.parent), pose_of(joint.child));
@@ -215,8 +212,7 @@ TEST_CASE("state is carried to another engine", "[sweep][snapshot]") {
   CHECK(resumed.simulation->run_until(1.0) == RunStatus::completed);
 }
 
-TEST_CASE("a changed scene takes over the known state, and reports the rest",
-          "[sweep][snapshot]") {
+TEST_CASE("a changed scene takes over the known state, and reports the rest", "[sweep][snapshot]") {
   const std::string backend = GENERATE(test::engines());
   const TemporaryFolder folder;
   auto first = simulate(scene_of("pendulum"), backend);
@@ -235,7 +231,7 @@ TEST_CASE("a changed scene takes over the known state, and reports the rest",
                                       Contains("not in the scene any more: sensor 'rig.feel'"));
   const int more = find_body(*other.simulation->model(), "more");
   REQUIRE(more >= 0);
-  CHECK(other.simulation->frame()->state.poses[static_cast<std::size_t>(more)].p.z() == 60.0);
+  CHECK(other.simulation->frame()->state.poses[more].p.z() == 60.0);
 
   SimulationOptions reseeded = on(backend);
   reseeded.seed = 99;
@@ -290,7 +286,7 @@ TEST_CASE("added, removed and changed elements are restored", "[sweep][snapshot]
   CHECK(find_joint(*second.model(), "hitch") >= 0);
   const int middle = find_body(*second.model(), "middle");
   REQUIRE(middle >= 0);
-  CHECK(second.model()->bodies[static_cast<std::size_t>(middle)].kind == BodyKind::fixed);
+  CHECK(second.model()->bodies[middle].kind == BodyKind::fixed);
   first->run_until(1.0);
   second.run_until(1.0);
   // As above.
@@ -330,11 +326,10 @@ TEST_CASE("a body that was made static stays where it was", "[sweep][snapshot]")
   const auto pose = [](Simulation& run, const char* name) {
     const int body = find_body(*run.model(), name);
     REQUIRE(body >= 0);
-    return run.frame()->state.poses[static_cast<std::size_t>(body)];
+    return run.frame()->state.poses[body];
   };
   const auto fixed = [](Simulation& run, const char* name) {
-    return run.model()->bodies[static_cast<std::size_t>(find_body(*run.model(), name))].kind ==
-           BodyKind::fixed;
+    return run.model()->bodies[find_body(*run.model(), name)].kind == BodyKind::fixed;
   };
   const double later = GENERATE(0.4, 1.0);
   second.run_until(later);
@@ -472,7 +467,8 @@ TEST_CASE("a wrong content with a right checksum is refused, too", "[sweep][snap
              Contains("is damaged: 1.3e+20 stands where a whole number from 0 to "
                       "18446744073709551615 belongs"));
   CHECK_THAT(refused("/clock/steps", "-1"), Contains("-1 stands where"));
-  CHECK_THAT(refused("/event_system/random", "\"x\""), Contains("a value of type string stands where"));
+  CHECK_THAT(refused("/event_system/random", "\"x\""),
+             Contains("a value of type string stands where"));
   CHECK_THAT(refused("/sent", "4294967296"), Contains("4294967296 stands where"));
   // Lists that do not fit each other, and numbers of elements that are not there.
   const std::string no_mesh = R"({"name": "m", "vertices": [], "triangles": [], "uv": []})";
@@ -588,8 +584,7 @@ TEST_CASE("run saves snapshots and resumes from them", "[sweep][snapshot][progra
   // The toy has no memory besides its state; and --set is remembered.
   const Outcome rest = run({"--from", folder / "a.snap", "--json", "-"});
   CHECK(hash(rest) == hash(whole));
-  CHECK_THAT(rest.err,
-             Contains("saves no state for snapshots and restarts: supervisor 'trouble'"));
+  CHECK_THAT(rest.err, Contains("saves no state for snapshots and restarts: supervisor 'trouble'"));
   CHECK(hash(run({"--from", folder / "start.snap", "--json", "-"})) == hash(whole));
   CHECK(hash(run({"--from", folder / "a.snap", "--backend", "toy_euler", "--json", "-"})) !=
         hash(whole));

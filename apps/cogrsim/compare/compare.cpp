@@ -215,8 +215,8 @@ void Comparison::add_bodies(double time, const Frame& first, const Frame& second
   const std::size_t interval = result_.samples / per_interval_;
   for (const Pair& pair : body_pairs_[run - 1]) {
     Difference& difference = result_.bodies[pair.difference];
-    const Pose& a = first.state.poses[static_cast<std::size_t>(pair.first)];
-    const Pose& b = second.state.poses[static_cast<std::size_t>(pair.second)];
+    const Pose& a = first.state.poses[pair.first];
+    const Pose& b = second.state.poses[pair.second];
     const double distance = (a.p - b.p).norm(), angle = angle_between(a.q, b.q);
     if (!difference.distance) {
       difference.distance.emplace();
@@ -232,8 +232,8 @@ void Comparison::add_joints(double time, const Frame& first, const Frame& second
   const std::size_t interval = result_.samples / per_interval_;
   for (const Pair& pair : joint_pairs_[run - 1]) {
     Difference& difference = result_.joints[pair.difference];
-    const Joint& a = first.model->joints[static_cast<std::size_t>(pair.first)];
-    const Joint& b = second.model->joints[static_cast<std::size_t>(pair.second)];
+    const Joint& a = first.model->joints[pair.first];
+    const Joint& b = second.model->joints[pair.second];
     if (a.type != b.type) continue;
     difference.type = to_string(a.type);
     const JointGap gap = joint_gap(a.type, first.state.joint_positions.data() + a.position_offset,
@@ -281,13 +281,10 @@ void Comparison::add_figures(double time, const Frame& frame, std::size_t run) {
   for (const Contact& contact : frame.contacts) {
     if (contact.depth <= figures.penetration.value) continue;
     track(figures.penetration, contact.depth, time,
-          model.bodies[static_cast<std::size_t>(contact.body_a)].name + " and " +
-              model.bodies[static_cast<std::size_t>(contact.body_b)].name);
+          model.bodies[contact.body_a].name + " and " + model.bodies[contact.body_b].name);
   }
 
-  const auto pose = [&](int body) {
-    return body == kWorld ? Pose() : frame.state.poses[static_cast<std::size_t>(body)];
-  };
+  const auto pose = [&](int body) { return body == kWorld ? Pose() : frame.state.poses[body]; };
   for (const Joint& joint : model.joints) {
     if (joint.removed) continue;
     const JointError error =

@@ -27,9 +27,9 @@ void label_things(const Frame& frame, double size, Overlay& overlay) {
     const int assembly = top_level_assembly(model, body.assembly);
     std::string text = body.name;
     if (assembly >= 0) {
-      if (labelled[static_cast<std::size_t>(assembly)]) continue;
-      labelled[static_cast<std::size_t>(assembly)] = true;
-      text = model.assemblies[static_cast<std::size_t>(assembly)].name;
+      if (labelled[assembly]) continue;
+      labelled[assembly] = true;
+      text = model.assemblies[assembly].name;
     }
     overlay.labels.push_back(
         {frame.state.poses[b].p + Vec3(0, 0, 0.02 * size), text, {1, 1, 1, 1}});
@@ -47,9 +47,8 @@ Result<OverlayChoice> parse_overlays(const std::vector<std::string>& arguments) 
                                                             {"trails", &choice.trails}};
   for (const std::string& argument : arguments) {
     if (argument.empty()) continue;
-    const auto found =
-        std::find_if(known.begin(), known.end(),
-                     [&](const auto& k) { return k.first == argument; });
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const auto& k) { return k.first == argument; });
     if (found == known.end()) {
       std::vector<std::string> names;
       for (const auto& k : known) names.push_back(k.first);
@@ -74,7 +73,7 @@ Overlay make_overlay(const Frame& frame, const OverlayChoice& choice, double siz
   };
   if (choice.rays) {
     for (const SensorRay& ray : sensor_rays(frame)) {
-      const bool lidar = frame.model->sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
+      const bool lidar = frame.model->sensors[ray.sensor].type == "lidar";
       line(ray.from, ray.to, lidar ? (ray.hit ? kFan : kFanMiss) : (ray.hit ? kRay : kMiss),
            lidar ? 1.0 : 1.5, false);
     }

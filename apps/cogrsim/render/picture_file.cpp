@@ -60,8 +60,7 @@ std::string segmentation_legend(const SceneModel& model, const Picture& picture)
     const auto color = body >= 0 ? body_color(body) : std::array<std::uint8_t, 3>{0, 0, 0};
     text +=
         fmt::format("#{:02x}{:02x}{:02x}  {:>8} pixels  {}\n", color[0], color[1], color[2], count,
-                    body >= 0 ? one_line(model.bodies[static_cast<std::size_t>(body)].name)
-                              : std::string("(background)"));
+                    body >= 0 ? one_line(model.bodies[body].name) : std::string("(background)"));
   }
   return text;
 }

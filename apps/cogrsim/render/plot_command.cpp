@@ -13,10 +13,10 @@
 #include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
-#include "render/plots.h"
 #include "common/refuse.h"
-#include "sweep/result_table.h"
 #include "common/terminal.h"
+#include "render/plots.h"
+#include "sweep/result_table.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -111,7 +111,7 @@ Result<std::vector<PlotModel>> plots_of(const PlotCommandOptions& options,
                   near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
                                : fmt::format("did you mean '{}'?", near));
     }
-    chosen.push_back(model.plots[static_cast<std::size_t>(at - names.begin())]);
+    chosen.push_back(model.plots[at - names.begin()]);
   }
   return chosen;
 }

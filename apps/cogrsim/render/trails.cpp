@@ -14,7 +14,7 @@ constexpr Color kColors[] = {{0.85, 0.15, 0.10, 1}, {0.00, 0.35, 0.75, 1}, {0.10
 // The body an assembly is followed by: its first one that moves.
 std::string leading_body(const SceneModel& model, int assembly) {
   for (const int b : bodies_of(model, assembly)) {
-    const Body& body = model.bodies[static_cast<std::size_t>(b)];
+    const Body& body = model.bodies[b];
     if (body.kind != BodyKind::fixed) return body.name;
   }
   return {};
@@ -52,10 +52,10 @@ Result<Trails> Trails::of(const SceneModel& model, const std::vector<std::string
   std::vector<bool> followed(model.assemblies.size(), false);
   const auto consider = [&](int assembly) {
     const int top = top_level_assembly(model, assembly);
-    if (top < 0 || followed[static_cast<std::size_t>(top)]) return;
-    followed[static_cast<std::size_t>(top)] = true;
+    if (top < 0 || followed[top]) return;
+    followed[top] = true;
     const std::string body = leading_body(model, top);
-    if (!body.empty()) follow(body, model.assemblies[static_cast<std::size_t>(top)].name);
+    if (!body.empty()) follow(body, model.assemblies[top].name);
   };
   for (const ControllerModel& c : model.controllers) {
     if (!c.removed) consider(c.assembly);
@@ -75,7 +75,7 @@ void Trails::add(const Frame& frame) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const int body = find_body(*frame.model, bodies_[i]);
     trails_[i].points.push_back(body >= 0
-                                    ? frame.state.poses[static_cast<std::size_t>(body)].p
+                                    ? frame.state.poses[body].p
                                     : Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   }
 }

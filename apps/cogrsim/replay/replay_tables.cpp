@@ -81,7 +81,7 @@ void ReplayTables::add(const Frame& frame, const ChannelsOf& channels) {
     });
   }
   for (const Reading& reading : frame.readings) {
-    const SensorModel& sensor = model.sensors[static_cast<std::size_t>(reading.sensor)];
+    const SensorModel& sensor = model.sensors[reading.sensor];
     if (reading.sequence == 0 || sensor.removed) continue;
     std::string head = "time [s],sequence,valid";
     for (const Channel& channel : channels(reading.sensor)) {

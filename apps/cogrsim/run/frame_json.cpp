@@ -7,7 +7,7 @@ namespace {
 
 Json slice(const std::vector<double>& values, int offset, int count) {
   Json out = Json::array();
-  for (int i = 0; i < count; ++i) out.push_back(values[static_cast<std::size_t>(offset + i)]);
+  for (int i = 0; i < count; ++i) out.push_back(values[offset + i]);
   return out;
 }
 
@@ -45,9 +45,7 @@ Json joints_json(const Frame& frame) {
 Json contacts_json(const Frame& frame) {
   Json out = Json::array();
   for (const Contact& contact : frame.contacts) {
-    const auto name = [&](int body) {
-      return frame.model->bodies[static_cast<std::size_t>(body)].name;
-    };
+    const auto name = [&](int body) { return frame.model->bodies[body].name; };
     out.push_back({{"a", name(contact.body_a)},
                    {"b", name(contact.body_b)},
                    {"point", to_json(contact.point)},

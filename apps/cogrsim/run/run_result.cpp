@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "run/frame_json.h"
 #include "common/provenance_text.h"
 #include "common/scene_loading.h"
+#include "run/frame_json.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -75,9 +75,9 @@ std::string joint_table(const Frame& frame, const Style& style) {
       continue;
     }
     ++rows;
-    const double q = frame.state.joint_positions[static_cast<std::size_t>(joint.position_offset)];
-    const double u = frame.state.joint_velocities[static_cast<std::size_t>(joint.speed_offset)];
-    const double effort = frame.state.joint_efforts[static_cast<std::size_t>(joint.speed_offset)];
+    const double q = frame.state.joint_positions[joint.position_offset];
+    const double u = frame.state.joint_velocities[joint.speed_offset];
+    const double effort = frame.state.joint_efforts[joint.speed_offset];
     const bool linear = joint.type == JointType::slider;
     table.row({shortened(joint.name, 32), to_string(joint.type),
                linear ? fixed(q, 4) + " m" : fixed(q / kDegree, 2) + " °",
@@ -143,8 +143,8 @@ std::string summary_text(const RunResult& result, const Style& style) {
                      factor_text(result.time / result.wall_time));
   const Energy energy = energy_of(*frame.model, frame.state);
   if (!frame.model->drawn.empty())
-    out += fmt::format("  drawn     {} values from seed {}, see --json\n", frame.model->drawn.size(),
-                       result.seed);
+    out += fmt::format("  drawn     {} values from seed {}, see --json\n",
+                       frame.model->drawn.size(), result.seed);
   if (!result.measures.empty()) {
     out += "  measures  ";
     for (const RunMeasures::Value& measure : result.measures) {

@@ -251,7 +251,7 @@ Origins origins_by_name(std::vector<dsl::OutlineElement>& elements, const SceneM
   for (std::size_t i = 0; i < elements.size(); ++i) {
     dsl::OutlineElement& element = elements[i];
     if (element.parent < 0) continue;  // the scene itself
-    paths[i] = paths[static_cast<std::size_t>(element.parent)];
+    paths[i] = paths[element.parent];
     if (element.name.empty()) continue;
     paths[i] += (paths[i].empty() ? "" : ".") + element.name;
     const auto [entry, added] = by_path.emplace(paths[i], element.id);
@@ -264,7 +264,7 @@ Origins origins_by_name(std::vector<dsl::OutlineElement>& elements, const SceneM
       to.emplace_back();
       if (found == by_path.end() || found->second < 0) continue;
       to.back().element = found->second;
-      elements[static_cast<std::size_t>(found->second)].path = item.name;
+      elements[found->second].path = item.name;
     }
   };
   find(model.bodies, origins.bodies);

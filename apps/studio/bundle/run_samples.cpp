@@ -8,8 +8,8 @@
 
 #include "cogrsim/core/image.h"
 #include "cogrsim/rendering/renderer.h"
-#include "series.h"
 #include "common/terminal.h"
+#include "series.h"
 
 namespace cogrsim::studio {
 
@@ -179,7 +179,7 @@ void RunSamples::add(const Frame& frame) {
 void RunSamples::add_shots(const Frame& frame) {
   for (const Reading& reading : frame.readings) {
     if (!reading.picture || reading.sensor < 0 || reading.picture->color.data.empty()) continue;
-    const std::string& camera = model_->sensors[static_cast<std::size_t>(reading.sensor)].name;
+    const std::string& camera = model_->sensors[reading.sensor].name;
     const auto last = shot_last_.find(camera);
     if (last != shot_last_.end()) {
       if (last->second.first == reading.sequence) continue;

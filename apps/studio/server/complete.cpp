@@ -280,8 +280,8 @@ class Completer {
     static const std::map<std::string, std::set<std::string>> kTags = {
         {"material", {"material"}},
         {"joint",
-         {"hinge", "slider", "ball", "universal", "gimbal", "fixed", "cylindrical", "planar", "screw",
-          "free"}},
+         {"hinge", "slider", "ball", "universal", "gimbal", "fixed", "cylindrical", "planar",
+          "screw", "free"}},
         {"prototype", {"prototype"}},
         {"template", {"template"}},
         {"door", {"door"}},
@@ -306,7 +306,7 @@ class Completer {
   std::string scoped(const dsl::OutlineElement& e, const std::string& dotted) const {
     const int parent = e.parent;
     if (parent <= 0) return e.name;
-    const std::string& around = elements_[static_cast<std::size_t>(parent)].tag;
+    const std::string& around = elements_[parent].tag;
     return std::find(spot_.open.begin(), spot_.open.end(), around) != spot_.open.end() ? e.name
                                                                                        : dotted;
   }

@@ -125,7 +125,7 @@ std::optional<FileContent> read_asset(const std::string& path) {
   bool good = fstat(file, &about) == 0 && S_ISREG(about.st_mode) &&
               static_cast<std::uint64_t>(about.st_size) <= kLargestAsset;
   if (good) {
-    content.bytes.resize(static_cast<std::size_t>(about.st_size));
+    content.bytes.resize(about.st_size);
     std::size_t got = 0;
     while (got < content.bytes.size()) {
       const ssize_t more = read(file, content.bytes.data() + got, content.bytes.size() - got);

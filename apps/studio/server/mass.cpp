@@ -9,7 +9,7 @@ namespace cogrsim::studio {
 namespace {
 
 bool is_inside(const std::vector<dsl::OutlineElement>& elements, int id, int around) {
-  while (id >= 0 && id != around) id = elements[static_cast<std::size_t>(id)].parent;
+  while (id >= 0 && id != around) id = elements[id].parent;
   return id >= 0;
 }
 
@@ -34,15 +34,14 @@ Answer mass_of(const std::vector<int>& elements, const dsl::OutlinedScene& scene
                   "take the ids of the newest tree", "stale");
     // A part of a rigid body stands for the whole of it.
     const std::size_t before = bodies.size();
-    for (; id > 0 && bodies.size() == before;
-         id = scene.elements[static_cast<std::size_t>(id)].parent)
+    for (; id > 0 && bodies.size() == before; id = scene.elements[id].parent)
       collect(id, scene, bodies);
   }
   if (bodies.empty()) return fail("there is no body in it", "", "choose bodies or assemblies");
   std::vector<MassProperties> parts;
   Json names = Json::array();
   for (const int i : bodies) {
-    const Body& body = scene.result.model->bodies[static_cast<std::size_t>(i)];
+    const Body& body = scene.result.model->bodies[i];
     names.push_back(body.name);
     if (body.kind != BodyKind::dynamic) continue;
     const Mat3 R = body.X_WB.q.toRotationMatrix();

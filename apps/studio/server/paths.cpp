@@ -34,8 +34,7 @@ std::vector<Followed> followed(const SceneModel& model) {
     if (top < 0) {
       out.push_back({body.name, body.name, false});
     } else if (seen.insert(top).second) {
-      out.push_back({model.assemblies[static_cast<std::size_t>(top)].name, body.name,
-                     steered.count(top) > 0});
+      out.push_back({model.assemblies[top].name, body.name, steered.count(top) > 0});
     }
   }
   std::stable_partition(out.begin(), out.end(), [](const Followed& one) { return one.steered; });

@@ -160,7 +160,7 @@ class SceneWriter {
         out["heightmap"] = s.heightmap;
         break;
     }
-    const Material& material = model_.materials[static_cast<std::size_t>(s.material)];
+    const Material& material = model_.materials[s.material];
     out["color"] = color_json(shown_color(model_, body, s));
     const auto texture = assets_.find(material.texture);
     out["texture"] =

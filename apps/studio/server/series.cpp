@@ -12,8 +12,8 @@ namespace cogrsim::studio {
 
 namespace {
 
-constexpr std::size_t kPiece = 1000;       // frames taken at a time
-constexpr std::size_t kCurvesKept = 200;   // signals remembered
+constexpr std::size_t kPiece = 1000;      // frames taken at a time
+constexpr std::size_t kCurvesKept = 200;  // signals remembered
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 /// Channels of a run's sensors by name: a second run may number them otherwise.
@@ -21,7 +21,7 @@ ChannelLookup channels_for(const SceneRecord& record, const SceneModel& model) {
   if (&model == record.model.get()) return record.lookup();
   return [&record, &model](int sensor) -> const std::vector<Channel>* {
     if (sensor < 0 || static_cast<std::size_t>(sensor) >= model.sensors.size()) return nullptr;
-    const std::string& name = model.sensors[static_cast<std::size_t>(sensor)].name;
+    const std::string& name = model.sensors[sensor].name;
     for (std::size_t i = 0; i < record.model->sensors.size(); ++i) {
       if (record.model->sensors[i].name == name) return &record.channels[i];
     }
@@ -115,7 +115,8 @@ Answer SeriesRequests::signals() {
   for (const auto* controllers : {&model.controllers, &model.supervisors}) {
     for (const ControllerModel& controller : *controllers) {
       if (controller.removed) continue;
-      for (const OutputModel& output : controller.outputs) add(controller.name + "." + output.name, controller.name);
+      for (const OutputModel& output : controller.outputs)
+        add(controller.name + "." + output.name, controller.name);
     }
   }
   return Json{{"signals", std::move(list)}};

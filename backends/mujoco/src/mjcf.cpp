@@ -44,9 +44,9 @@ class Writer {
 
  private:
   std::size_t size() const { return scene_.bodies.size(); }
-  const Vec3& origin(int b) const { return out_.origins[static_cast<std::size_t>(b)]; }
-  const Body& body(int b) const { return scene_.bodies[static_cast<std::size_t>(b)]; }
-  const Joint& joint(int j) const { return scene_.joints[static_cast<std::size_t>(j)]; }
+  const Vec3& origin(int b) const { return out_.origins[b]; }
+  const Body& body(int b) const { return scene_.bodies[b]; }
+  const Joint& joint(int j) const { return scene_.joints[j]; }
   bool grounded(int b) const { return b == kWorld || body(b).kind != BodyKind::dynamic; }
 
   Result<> check() const;
@@ -156,7 +156,7 @@ void Writer::grow_trees() {
   for (std::size_t b = 0; b < size(); ++b) {
     if (tree_[b] < 0) continue;
     if (above_[b] != kWorld) children_[at(above_[b])].push_back(static_cast<int>(b));
-    TreeJoint& place = out_.joints[static_cast<std::size_t>(tree_[b])];
+    TreeJoint& place = out_.joints[tree_[b]];
     place.body = 0;  // known when it is compiled
     place.reversed = joint(tree_[b]).parent == static_cast<int>(b);
   }
@@ -176,7 +176,7 @@ void Writer::find_exclusions() {
   for (const auto& [a, b] : pairs) {
     if (body(a).removed || body(b).removed || filter.collide(a, b)) continue;
     if (grounded(a) && grounded(b)) continue;  // by contype and conaffinity
-    apart_[static_cast<std::size_t>(a)] = apart_[static_cast<std::size_t>(b)] = 1;
+    apart_[a] = apart_[b] = 1;
     contacts_ += fmt::format("<exclude body1=\"b{}\" body2=\"b{}\"/>\n", a, b);
   }
 }
@@ -224,7 +224,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
     case ShapeType::plane:
       return std::string("type=\"plane\" size=\"0 0 1\"");
     case ShapeType::convex_mesh: {
-      const HullFaces hull = hull_faces(*scene_.meshes[static_cast<std::size_t>(shape.mesh)], 1000);
+      const HullFaces hull = hull_faces(*scene_.meshes[shape.mesh], 1000);
       if (hull.vertices.size() < 4) break;
       Vec3 middle = Vec3::Zero();
       for (const Vec3& v : hull.vertices) middle += v / static_cast<double>(hull.vertices.size());
@@ -237,7 +237,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
       return "type=\"mesh\" mesh=\"" + name + '"';
     }
     case ShapeType::heightmap: {
-      const HeightGrid& grid = *scene_.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *scene_.heightmaps[shape.heightmap];
       const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
       const double rise = std::max(*high - *low, 1e-6), base = std::max(1.0, rise);
       X = X * Pose(Vec3(0, 0, *low), Quat(1, 0, 0, 0));
@@ -279,8 +279,8 @@ Result<> Writer::write_geoms(int b, const Pose& X_WB) {
 
 void Writer::write_joint(int j) {
   const Joint& it = joint(j);
-  TreeJoint& place = out_.joints[static_cast<std::size_t>(j)];
-  const Reference& at = out_.references[static_cast<std::size_t>(j)];
+  TreeJoint& place = out_.joints[j];
+  const Reference& at = out_.references[j];
   const bool back = place.reversed;
   // Of the moved body's joint frame N, that of M or of F, and of the other one in it.
   const Pose& X_BN = back ? it.X_PF : it.X_CM;
@@ -338,14 +338,14 @@ void Writer::write_joint(int j) {
     const Axis& axis = axes[i];
     const bool slave = it.type == JointType::screw && i == 1;
     const double slope = it.pitch / (2.0 * kPi);
-    if (!slave) place.axis[static_cast<std::size_t>(axis.coordinate)] = static_cast<int>(i);
+    if (!slave) place.axis[axis.coordinate] = static_cast<int>(i);
     bodies_ += fmt::format("<joint name=\"j{}_{}\" type=\"{}\" pos=\"{}\" ", j, i, axis.type,
                            text(anchor));
     if (!ball) {
-      const double q = at.q[static_cast<std::size_t>(axis.coordinate)];
+      const double q = at.q[axis.coordinate];
       bodies_ += fmt::format("axis=\"{}\" ref=\"{}\" ", text(axis.along), slave ? slope * q : q);
     }
-    const JointAxis& law = it.axes[static_cast<std::size_t>(axis.coordinate)];
+    const JointAxis& law = it.axes[axis.coordinate];
     if (!slave) {
       bodies_ += fmt::format(
           "damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" armature=\"{}\" {} ", law.damping,
@@ -367,7 +367,7 @@ Result<> Writer::write_body(int b) {
   const Body& it = body(b);
   Pose X = it.kind == BodyKind::fixed ? out_.places[i] : it.X_WB;
   if (tree_[i] >= 0) {
-    const Reference& at = out_.references[static_cast<std::size_t>(tree_[i])];
+    const Reference& at = out_.references[tree_[i]];
     X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();
     if (above_[i] != kWorld) X.p -= origin(above_[i]);
   }
@@ -439,13 +439,13 @@ void Writer::write_actuators() {
   for (std::size_t m = 0; m < scene_.motors.size(); ++m) {
     const Motor& motor = scene_.motors[m];
     if (motor.removed || joint(motor.joint).removed) continue;
-    const TreeJoint& place = out_.joints[static_cast<std::size_t>(motor.joint)];
+    const TreeJoint& place = out_.joints[motor.joint];
     if (place.body < 0) continue;  // both its bodies are part of the ground
     // Gains and bounds are given in every step.
     actuators_ += fmt::format(
         "<general joint=\"j{}_{}\" biastype=\"affine\" forcelimited=\"true\" forcerange=\"-1 "
         "1\"/>\n",
-        motor.joint, place.axis[static_cast<std::size_t>(motor.axis)]);
+        motor.joint, place.axis[motor.axis]);
     out_.actuators[m] = count++;
   }
 }

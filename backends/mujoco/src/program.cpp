@@ -27,7 +27,7 @@ void find_places(Program& out) {
     if (scene.bodies[b].removed) continue;
     out.bodies[b] = std::max(0, id(mjOBJ_BODY, fmt::format("b{}", b)));
     if (out.bodies[b] == 0) continue;
-    out.owners[static_cast<std::size_t>(out.bodies[b])] = static_cast<int>(b);
+    out.owners[out.bodies[b]] = static_cast<int>(b);
     const int joint = m.body_jntadr[out.bodies[b]];
     if (joint < 0 || m.jnt_type[joint] != mjJNT_FREE) continue;
     out.free_qpos[b] = m.jnt_qposadr[joint];
@@ -42,7 +42,7 @@ void find_places(Program& out) {
     TreeJoint& place = out.joints[j];
     const Joint& joint = scene.joints[j];
     if (place.body < 0) continue;
-    place.body = out.bodies[static_cast<std::size_t>(place.reversed ? joint.parent : joint.child)];
+    place.body = out.bodies[place.reversed ? joint.parent : joint.child];
     place.joint = id(mjOBJ_JOINT, fmt::format("j{}_0", j));
     if (place.joint < 0) continue;
     place.qpos = m.jnt_qposadr[place.joint];
@@ -64,9 +64,7 @@ void complete_model(Program& out) {
     }
     const int equality = mj_name2id(&m, mjOBJ_EQUALITY, fmt::format("e{}_0", j).c_str());
     if (equality < 0) continue;
-    const auto origin = [&](int b) {
-      return b == kWorld ? Vec3(0, 0, 0) : out.origins[static_cast<std::size_t>(b)];
-    };
+    const auto origin = [&](int b) { return b == kWorld ? Vec3(0, 0, 0) : out.origins[b]; };
     const auto eq_data = [&](int k) { return m.eq_data + mjNEQDATA * (equality + k); };
     if (joint.type == JointType::fixed) {
       put(eq_data(0), Vec3(joint.X_CM.p - origin(joint.child)));
@@ -84,10 +82,9 @@ void complete_model(Program& out) {
   }
   for (std::size_t g = 0; g < out.geoms.size(); ++g) {
     const auto& [b, s] = out.geoms[g];
-    const Shape& shape =
-        scene.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
+    const Shape& shape = scene.bodies[b].shapes[s];
     if (shape.type != ShapeType::heightmap) continue;
-    const HeightGrid& grid = *scene.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+    const HeightGrid& grid = *scene.heightmaps[shape.heightmap];
     const int hfield = m.geom_dataid[g];
     const double low = *std::min_element(grid.heights.begin(), grid.heights.end());
     const double rise = m.hfield_size[4 * hfield + 2];
@@ -100,8 +97,8 @@ void complete_model(Program& out) {
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < m.nv; ++i) {
-    const int b = out.owners[static_cast<std::size_t>(m.dof_bodyid[i])];
-    if (scene.bodies[static_cast<std::size_t>(b)].kind == BodyKind::kinematic) continue;
+    const int b = out.owners[m.dof_bodyid[i]];
+    if (scene.bodies[b].kind == BodyKind::kinematic) continue;
     sum += m.dof_M0[i];
     ++count;
   }
@@ -141,14 +138,12 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
                                 const std::vector<int>& attached) {
   auto out = std::make_shared<Program>();
   out->scene = scene;
-  const auto pose = [&](int b) {
-    return b == kWorld ? Pose() : poses[static_cast<std::size_t>(b)];
-  };
+  const auto pose = [&](int b) { return b == kWorld ? Pose() : poses[b]; };
   for (std::size_t j = references.size(); j < scene->joints.size(); ++j) {
     const Joint& joint = scene->joints[j];
     references.push_back(reference_of(joint, pose(joint.parent), pose(joint.child)));
   }
-  for (const int j : attached) references[static_cast<std::size_t>(j)].attached = true;
+  for (const int j : attached) references[j].attached = true;
   out->references = std::move(references);
   out->places = std::move(poses);
   auto options = read_options(*scene);

@@ -111,10 +111,10 @@ Result<> MujocoWorld::change_to(const SceneModelPtr& next, SceneStep step) {
                     kept_.twists.end());
   put_kept_state();
   forget_reports();
-  const auto here = [&](int b) { return program_->bodies[static_cast<std::size_t>(b)] >= 0; };
+  const auto here = [&](int b) { return program_->bodies[b] >= 0; };
   for (const Contact& contact : contacts)
     if (here(contact.body_a) && here(contact.body_b)) kept_contacts_.push_back(contact);
-  for (const int b : change->kinds) kept_.twists[static_cast<std::size_t>(b)] = {};
+  for (const int b : change->kinds) kept_.twists[b] = {};
   return {};
 }
 
@@ -147,14 +147,14 @@ double MujocoWorld::response_of(int dof) const {
   // response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
   std::vector<double>& y = scratch_;
   y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
-  for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[static_cast<std::size_t>(k)] = 0.0;
-  y[static_cast<std::size_t>(dof)] = 1.0;
+  for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[k] = 0.0;
+  y[dof] = 1.0;
   double response = 0.0;
   for (int k = dof; k >= 0; k = m.dof_parentid[k]) {
-    const double y_k = y[static_cast<std::size_t>(k)];
+    const double y_k = y[k];
     const double* entry = data_->qLD + m.dof_Madr[k];
     for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) {
-      y[static_cast<std::size_t>(j)] -= *++entry * y_k;
+      y[j] -= *++entry * y_k;
     }
     response += y_k * y_k * data_->qLDiagInv[k];
   }
@@ -163,7 +163,7 @@ double MujocoWorld::response_of(int dof) const {
 
 void MujocoWorld::find_responses() {
   const mjModel& m = *model_;
-  responses_.resize(static_cast<std::size_t>(m.nu));
+  responses_.resize(m.nu);
   for (std::size_t a = 0; a < responses_.size(); ++a) {
     const int dof = m.jnt_dofadr[m.actuator_trnid[2 * a]];
     // That of the reference configuration, unless the axis has become a good deal lighter.
@@ -239,7 +239,7 @@ StepResult MujocoWorld::diverged(int body, const std::string& what) {
   forget_reports();
   if (body < 0) return {StepStatus::diverged, body, what};
   return {StepStatus::diverged, body,
-          "body '" + program_->scene->bodies[static_cast<std::size_t>(body)].name +
+          "body '" + program_->scene->bodies[body].name +
               "' has left MuJoCo's bounds (1e10 of its position, velocity, acceleration or " +
               "effort) or is not a number"};
 }
@@ -247,7 +247,7 @@ StepResult MujocoWorld::diverged(int body, const std::string& what) {
 int MujocoWorld::find_bad() const {
   const mjModel& m = *model_;
   const mjData& d = *data_;
-  const auto owner = [&](int body) { return program_->owners[static_cast<std::size_t>(body)]; };
+  const auto owner = [&](int body) { return program_->owners[body]; };
   if (const auto& found = d.warning[mjWARN_BADCTRL]; found.number > 0) {
     return owner(m.jnt_bodyid[m.actuator_trnid[2 * found.lastinfo]]);
   }
@@ -267,7 +267,7 @@ int MujocoWorld::find_bad() const {
 
 Result<> MujocoWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*program_->scene, body, twist); !fine) return fine;
-  kinematic_[static_cast<std::size_t>(body)] = twist;
+  kinematic_[body] = twist;
   hold_kinematic();
   kinematics_ = Kinematics::none;
   return {};

@@ -83,8 +83,8 @@ void MujocoWorld::read_tree_joint(std::size_t j, double* q, double* u) const {
   const double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      q[i] = qpos[place.axis[static_cast<std::size_t>(i)]];
-      u[i] = qvel[place.axis[static_cast<std::size_t>(i)]];
+      q[i] = qpos[place.axis[i]];
+      u[i] = qvel[place.axis[i]];
     }
     return;
   }
@@ -105,8 +105,8 @@ void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
   double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      qpos[place.axis[static_cast<std::size_t>(i)]] = q[i];
-      qvel[place.axis[static_cast<std::size_t>(i)]] = u[i];
+      qpos[place.axis[i]] = q[i];
+      qvel[place.axis[i]] = u[i];
     }
     if (joint.type == JointType::screw) {
       qpos[1] = joint.pitch / (2.0 * kPi) * q[0];
@@ -133,7 +133,7 @@ void MujocoWorld::follow() {
   if (program_->followed.empty()) return;
   find_kinematics(Kinematics::now);
   for (const int j : program_->followed) {
-    const Joint& joint = program_->scene->joints[static_cast<std::size_t>(j)];
+    const Joint& joint = program_->scene->joints[j];
     double* const q = kept_.joint_positions.data() + joint.position_offset;
     const std::vector<double> previous(q, q + position_count(joint.type));
     joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
@@ -204,11 +204,11 @@ void MujocoWorld::read_efforts(WorldState& out) const {
   for (int row = d.ne; row < d.nefc; ++row) {
     const int type = d.efc_type[row];
     if (type != mjCNSTR_FRICTION_DOF && type != mjCNSTR_LIMIT_JOINT) break;
-    effort[static_cast<std::size_t>(m.nv + row)] = d.efc_force[row];
+    effort[m.nv + row] = d.efc_force[row];
   }
   mj_mulJacTVec(&m, data_.get(), effort.data(), effort.data() + m.nv);
   for (int i = 0; i < m.nv; ++i) {
-    effort[static_cast<std::size_t>(i)] += d.qfrc_passive[i] + d.qfrc_actuator[i];
+    effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i];
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
@@ -226,7 +226,7 @@ void MujocoWorld::read_efforts(WorldState& out) const {
       continue;
     }
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      to[i] = effort[dof + static_cast<std::size_t>(place.axis[static_cast<std::size_t>(i)])];
+      to[i] = effort[dof + static_cast<std::size_t>(place.axis[i])];
     }
     if (joint.type == JointType::screw) to[0] += joint.pitch / (2.0 * kPi) * effort[dof + 1];
   }
@@ -256,8 +256,8 @@ void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
   out.clear();
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& it = data_->contact[i];
-    auto a = program_->geoms[static_cast<std::size_t>(it.geom1)];
-    auto b = program_->geoms[static_cast<std::size_t>(it.geom2)];
+    auto a = program_->geoms[it.geom1];
+    auto b = program_->geoms[it.geom2];
     const double sign = a.first > b.first ? -1.0 : 1.0;  // MuJoCo's normal goes from 1 to 2
     if (sign < 0.0) std::swap(a, b);
     double force[6];

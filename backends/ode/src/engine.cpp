@@ -295,7 +295,7 @@ void Engine::set_order(const std::vector<int>& order) {
   // ODE puts what is added in front.
   for (const Geom& geom : geoms_) dSpaceRemove(space_, geom.id);
   for (auto i = order.rbegin(); i != order.rend(); ++i) {
-    dSpaceAdd(space_, geoms_[static_cast<std::size_t>(*i)].id);
+    dSpaceAdd(space_, geoms_[*i].id);
   }
 }
 

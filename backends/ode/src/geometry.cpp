@@ -49,8 +49,7 @@ std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
                 corners.end());
     double d = 0.0;
     for (const int c : corners) {
-      d = std::max(d,
-                   faces.normals[f].dot(faces.vertices[static_cast<std::size_t>(c)] - out->middle));
+      d = std::max(d, faces.normals[f].dot(faces.vertices[c] - out->middle));
     }
     out->planes.insert(out->planes.end(), faces.normals[f].data(), faces.normals[f].data() + 3);
     out->planes.push_back(d);
@@ -69,10 +68,9 @@ const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
   if (made) return made;
   auto out = std::make_shared<Triangles>();
   if (is_mesh) {
-    copy_mesh(*model.meshes[static_cast<std::size_t>(shape.mesh)], *out);
+    copy_mesh(*model.meshes[shape.mesh], *out);
   } else {
-    copy_mesh(geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
-              *out);
+    copy_mesh(geometry::triangles_of(*model.heightmaps[shape.heightmap]), *out);
   }
   out->data = dGeomTriMeshDataCreate();
   dGeomTriMeshDataBuildDouble(out->data, out->vertices.data(), 3 * sizeof(double),
@@ -87,8 +85,7 @@ const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
 Result<std::shared_ptr<Hull>> ShapeData::hull(const SceneModel& model, const Shape& shape) {
   auto& made = hulls_[shape.mesh];
   if (made) return made;
-  const HullFaces faces =
-      hull_faces(*model.meshes[static_cast<std::size_t>(shape.mesh)], kMostCorners);
+  const HullFaces faces = hull_faces(*model.meshes[shape.mesh], kMostCorners);
   if (faces.normals.empty()) {
     return fail("shape '" + shape.name + "': its mesh has no volume",
                 source_position(model, shape.origin));

@@ -69,7 +69,7 @@ Result<> check_joints(const SceneModel& model) {
 
 JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
                      const JointEnd& child, const Options& options)
-    : joint_(&model.joints[static_cast<std::size_t>(joint)]), parent_(parent), child_(child) {
+    : joint_(&model.joints[joint]), parent_(parent), child_(child) {
   cfm_ = options.cfm;
   const auto is_mobile = [](const JointEnd& end) {
     return end.body && dBodyIsKinematic(end.id()) == 0;
@@ -220,7 +220,7 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
                          const Pose& X_WM) {
   if (!has_motors(joint_->type)) return;
   for (int i = 0; i < speed_count(joint_->type); ++i) {
-    const JointAxis& axis = joint_->axes[static_cast<std::size_t>(i)];
+    const JointAxis& axis = joint_->axes[i];
     bool own = !axis.has_limit() && !normal_;
     const auto add = [&]() -> Law& {
       return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
@@ -289,9 +289,9 @@ void JointLink::drive(double h, const std::vector<Drive>& drives, double* q) {
   for (Law& law : laws_) {
     law.applied = 0.0;
     if (law.drive >= 0) {
-      set(law, drives[static_cast<std::size_t>(law.drive)], h, q);
+      set(law, drives[law.drive], h, q);
     } else if (law.spring) {
-      const JointAxis& axis = joint_->axes[static_cast<std::size_t>(law.speed)];
+      const JointAxis& axis = joint_->axes[law.speed];
       update(q);
       apply(law, axis.stiffness * (axis.rest - q[law.speed]));
     }

@@ -27,8 +27,8 @@ void OdeWorld::Progress::add_start(std::size_t first_joint) {
     const std::vector<double>& position = model->joints[j].position;
     q.insert(q.end(), position.begin(), position.end());
   }
-  q.resize(static_cast<std::size_t>(model->joint_positions));
-  u.resize(static_cast<std::size_t>(model->joint_speeds));
+  q.resize(model->joint_positions);
+  u.resize(model->joint_speeds);
 }
 
 Result<> OdeWorld::start(const SceneModelPtr& model) {
@@ -132,7 +132,7 @@ StepResult OdeWorld::diverged(int body, std::string what) {
     while (!engine_->body(static_cast<std::size_t>(body)).exists()) ++body;
   }
   if (what.empty()) {
-    what = "body '" + now_.model->bodies[static_cast<std::size_t>(body)].name +
+    what = "body '" + now_.model->bodies[body].name +
            "' has left all bounds (1000 km, 100 km/s) or is not a number";
   }
   return {StepStatus::diverged, body, std::move(what)};
@@ -173,7 +173,7 @@ Result<> OdeWorld::set_kinematic_twist(int body, const Twist& twist) {
   report();  // of the last step, whose velocities these are
   BodyLink& moved = engine_->body(static_cast<std::size_t>(body));
   moved.set_twist(twist);
-  moved.read(now_.motions[static_cast<std::size_t>(body)]);
+  moved.read(now_.motions[body]);
   unchecked_ = true;
   return {};
 }

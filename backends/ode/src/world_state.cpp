@@ -127,8 +127,8 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   progress.u = state.joint_velocities;
   progress.turned = 0.0;
   for (const int b : change.removed_bodies) {
-    progress.poses[static_cast<std::size_t>(b)] = state.poses[static_cast<std::size_t>(b)];
-    progress.twists[static_cast<std::size_t>(b)] = state.twists[static_cast<std::size_t>(b)];
+    progress.poses[b] = state.poses[b];
+    progress.twists[b] = state.twists[b];
   }
   progress.add_start(now_.model->joints.size());
   for (const int b : change.kinds) {
@@ -141,9 +141,9 @@ Result<> OdeWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   for (const int b : change.kinds) {
     BodyLink& body = engine_->body(static_cast<std::size_t>(b));
     if (!body.exists()) continue;
-    body.set_pose(now_.poses[static_cast<std::size_t>(b)]);
+    body.set_pose(now_.poses[b]);
     body.set_twist({});
-    body.read(now_.motions[static_cast<std::size_t>(b)]);
+    body.read(now_.motions[b]);
   }
   update_joints();
 

@@ -128,7 +128,7 @@ class ColladaReader {
         const auto v = floats(c->text, 16);
         if (v.size() != 16) throw Broken{"a <matrix> has not 16 numbers"};
         Eigen::Matrix4d m;
-        for (int i = 0; i < 16; ++i) m(i / 4, i % 4) = v[static_cast<std::size_t>(i)];
+        for (int i = 0; i < 16; ++i) m(i / 4, i % 4) = v[i];
         X = X * Transform(m);
       }
     }

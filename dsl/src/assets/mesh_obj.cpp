@@ -154,7 +154,7 @@ class ObjParser {
       if (count > 0 && (next->texture < 0) != (corners[0].texture < 0))
         return wrong("some corners of the face have texture coordinates, " + quoted(word) +
                      (next->texture < 0 ? " has none" : " has one and those before have none"));
-      corners[static_cast<std::size_t>(std::min(count, 2))] = *next;
+      corners[std::min(count, 2)] = *next;
       ++count;
       if (count < 3) continue;
       if (mesh_.triangles.size() >= kMaxMeshTriangles)
@@ -175,7 +175,7 @@ class ObjParser {
     textured_ = textured_ || corners[0].texture >= 0;
     for (const Corner& c : corners) {
       if (c.texture >= 0) {
-        mesh_.uv.push_back(texture_points_[static_cast<std::size_t>(c.texture)]);
+        mesh_.uv.push_back(texture_points_[c.texture]);
       } else {
         mesh_.uv.emplace_back(0.0, 0.0);
       }

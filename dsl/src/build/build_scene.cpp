@@ -176,9 +176,7 @@ void Builder::frame(const Element& element) {
   frame.name = element.path;
   frame.body = carrier(element);
   const Pose& X_WF = note(element).X_W;
-  frame.X_BF = frame.body == kWorld
-                   ? X_WF
-                   : model_.bodies[static_cast<std::size_t>(frame.body)].X_WB.inverse() * X_WF;
+  frame.X_BF = frame.body == kWorld ? X_WF : model_.bodies[frame.body].X_WB.inverse() * X_WF;
   frame.assembly = note(element).assembly;
   frame.origin = element.span();
   model_.frames.push_back(std::move(frame));
@@ -217,7 +215,7 @@ void Builder::place_views() {
     const auto on = std::find_if(model_.frames.begin(), model_.frames.end(),
                                  [&](const NamedFrame& frame) { return frame.name == view.name; });
     if (on == model_.frames.end()) continue;
-    view.X_WV = model_.bodies[static_cast<std::size_t>(on->body)].X_WB * on->X_BF;
+    view.X_WV = model_.bodies[on->body].X_WB * on->X_BF;
   }
 }
 
@@ -226,7 +224,7 @@ void Builder::place_assemblies() {
     if (element.tag() != "assembly" && element.tag() != "instance") return;
     const int index = note(element).assembly;
     if (index < 0) return;
-    AssemblyInfo& info = model_.assemblies[static_cast<std::size_t>(index)];
+    AssemblyInfo& info = model_.assemblies[index];
     if (info.name != element.path) return;  // of a template: not in this scene yet
     info.X_WA = note(element).X_W;
     // The joints' initial positions move the whole assembly as far as its first body.
@@ -249,7 +247,7 @@ void Builder::note_outline() {
     poses.X_W = poses.X_W_start = note(element).X_W;
     if (poses.reference != nullptr) poses.X_WR = note(*poses.reference).X_W;
     const int body = carrier(element);
-    if (body != kWorld) poses.X_W_start = X_moved[static_cast<std::size_t>(body)] * poses.X_W;
+    if (body != kWorld) poses.X_W_start = X_moved[body] * poses.X_W;
     context_.outline->poses.push_back(poses);
   });
 }

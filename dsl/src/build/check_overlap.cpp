@@ -21,9 +21,7 @@ struct Separation {
 
 Separation separation_along(const SceneModel& model, const Joint& joint, const Vec3& point,
                             const Vec3& away) {
-  const auto pose = [&](int body) {
-    return body == kWorld ? Pose() : model.bodies[static_cast<std::size_t>(body)].X_WB;
-  };
+  const auto pose = [&](int body) { return body == kWorld ? Pose() : model.bodies[body].X_WB; };
   const Pose X_WF = pose(joint.parent) * joint.X_PF, X_WM = pose(joint.child) * joint.X_CM;
   const auto count = static_cast<std::size_t>(speed_count(joint.type));
   Separation separation;
@@ -55,8 +53,7 @@ JointPaths::JointPaths(const SceneModel& model) : model_(model), joints_(model.b
 }
 
 std::size_t JointPaths::node(int body) const {
-  const bool moves =
-      body != kWorld && model_.bodies[static_cast<std::size_t>(body)].kind == BodyKind::dynamic;
+  const bool moves = body != kWorld && model_.bodies[body].kind == BodyKind::dynamic;
   return moves ? static_cast<std::size_t>(body) : model_.bodies.size();
 }
 
@@ -68,7 +65,7 @@ std::vector<int> JointPaths::path(int from, int to) const {
   std::vector<std::size_t> queue = {start};
   came_by[start] = kStart;
   const auto beyond = [&](int j, std::size_t here) {
-    const Joint& joint = model_.joints[static_cast<std::size_t>(j)];
+    const Joint& joint = model_.joints[j];
     return node(joint.parent) == here ? node(joint.child) : node(joint.parent);
   };
   for (std::size_t next = 0; next < queue.size() && came_by[end] == kUnseen; ++next)
@@ -92,7 +89,7 @@ std::optional<Pressing> JointPaths::pressing(const geometry::Overlap& overlap) c
   all.joints = path(overlap.body_a, overlap.body_b);
   if (all.joints.empty()) return std::nullopt;
   for (const int j : all.joints) {
-    const Joint& joint = model_.joints[static_cast<std::size_t>(j)];
+    const Joint& joint = model_.joints[j];
     const bool forwards = node(joint.parent) == here;
     here = forwards ? node(joint.child) : node(joint.parent);
     const Separation separation =

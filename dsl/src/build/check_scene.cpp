@@ -105,14 +105,12 @@ void Builder::check_overlaps() {
                 " or more other pairs of bodies start inside each other");
       break;
     }
-    const Body& a = model_.bodies[static_cast<std::size_t>(overlap.body_a)];
-    const Body& b = model_.bodies[static_cast<std::size_t>(overlap.body_b)];
+    const Body& a = model_.bodies[overlap.body_a];
+    const Body& b = model_.bodies[overlap.body_b];
     // The ground is assumed to be right; the moving body is the misplaced one.
     const bool second = b.kind == BodyKind::dynamic;
-    const Element& mover =
-        *body_elements_[static_cast<std::size_t>(second ? overlap.body_b : overlap.body_a)];
-    const Element& other =
-        *body_elements_[static_cast<std::size_t>(second ? overlap.body_a : overlap.body_b)];
+    const Element& mover = *body_elements_[second ? overlap.body_b : overlap.body_a];
+    const Element& other = *body_elements_[second ? overlap.body_a : overlap.body_b];
     Report report = fault("CG2001", mover,
                           "'" + mover.path + "' starts " + rounded(overlap.depth * 1e3, "mm") +
                               " deep inside '" + other.path + "'");
@@ -120,9 +118,9 @@ void Builder::check_overlaps() {
     if (const auto pressing = paths.pressing(overlap)) {
       const auto joint = static_cast<std::size_t>(pressing->joints.front());
       const std::string name = "'" + model_.joints[joint].name + "'";
-      report.note(pressing->limits ? "they cannot separate: " + name + " is at its limit"
-                                   : "they cannot separate: " + name +
-                                         " holds them against the contact",
+      report.note(pressing->limits
+                      ? "they cannot separate: " + name + " is at its limit"
+                      : "they cannot separate: " + name + " holds them against the contact",
                   joint_elements_[joint]->span());
     }
     report.help("move them apart, or let them pass through each other with <collide between=\"" +
@@ -137,8 +135,8 @@ void Builder::check_mass_ratios() {
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const Joint& joint = model_.joints[j];
     if (joint.parent == kWorld || joint.type == JointType::free) continue;
-    const Body& parent = model_.bodies[static_cast<std::size_t>(joint.parent)];
-    const Body& child = model_.bodies[static_cast<std::size_t>(joint.child)];
+    const Body& parent = model_.bodies[joint.parent];
+    const Body& child = model_.bodies[joint.child];
     if (parent.kind != BodyKind::dynamic || child.kind != BodyKind::dynamic) continue;
     const double ratio = std::max(parent.mass / child.mass, child.mass / parent.mass);
     if (ratio <= kMassRatio) continue;
@@ -193,20 +191,20 @@ void Builder::check_drives() {
   std::map<std::pair<int, int>, std::size_t> drives;  // by joint and axis
   for (std::size_t i = 0; i < model_.motors.size() && i < motor_elements_.size(); ++i) {
     const Motor& motor = model_.motors[i];
-    const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+    const Joint& joint = model_.joints[motor.joint];
     const auto [first, is_new] = drives.try_emplace({motor.joint, motor.axis}, i);
     if (!is_new)
       fault("CG2006", *motor_elements_[i],
             "'" + motor.name + "' and '" + model_.motors[first->second].name +
                 "' drive the same axis of '" + joint.name + "'")
           .help("keep one drive per axis");
-    const JointAxis& limits = joint.axes[static_cast<std::size_t>(motor.axis)];
+    const JointAxis& limits = joint.axes[motor.axis];
     const bool to_position = motor.mode == MotorMode::servo || motor.mode == MotorMode::position;
     if (to_position && motor.target &&
         (*motor.target < limits.lower || *motor.target > limits.upper))
-      fault("CG2006", *motor_elements_[i], "target",
-            "the target lies beyond the limits of '" + joint.name +
-                "': the joint stops at the limit")
+      fault(
+          "CG2006", *motor_elements_[i], "target",
+          "the target lies beyond the limits of '" + joint.name + "': the joint stops at the limit")
           .help("choose a target between the limits");
   }
 }
@@ -221,8 +219,7 @@ void Builder::check_rates() {
     if (rate <= most * (1.0 + 1e-9)) continue;
     fault("CG2007", *element, "rate",
           "a rate of " + rounded(rate, "Hz") +
-              " is above the step rate: it is called at each step, " +
-              rounded(most, "Hz"))
+              " is above the step rate: it is called at each step, " + rounded(most, "Hz"))
         .help("leave 'rate' out to be called at each step, or use a smaller step");
   }
 }

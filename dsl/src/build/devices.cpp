@@ -51,7 +51,7 @@ void Builder::motor(const Element& element) {
   const auto axis = r.integer("axis");
   if (joint_element == nullptr || axis.failed()) return;
   motor.joint = note(*joint_element).joint;
-  const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+  const Joint& joint = model_.joints[motor.joint];
   const std::string kind = "'" + joint.name + "' is " + kind_of(*joint_element) + " joint";
   if (joint.type == JointType::fixed || joint.type == JointType::free ||
       joint.type == JointType::ball) {

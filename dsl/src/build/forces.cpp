@@ -24,14 +24,13 @@ bool Builder::spring_ends(const Element& element, ForceModel& force) {
   if (bodies[0] == bodies[1]) {
     fault("CG0604", element, "between",
           bodies[0] == kWorld ? std::string("both ends are fixed in the world")
-                              : "both ends are on '" +
-                                    model_.bodies[static_cast<std::size_t>(bodies[0])].name + "'")
+                              : "both ends are on '" + model_.bodies[bodies[0]].name + "'")
         .help("name two bodies, or frames on two bodies");
     return false;
   }
   const auto local = [&](std::size_t k) -> Vec3 {
     if (bodies[k] == kWorld) return points[k];
-    return model_.bodies[static_cast<std::size_t>(bodies[k])].X_WB.inverse() * points[k];
+    return model_.bodies[bodies[k]].X_WB.inverse() * points[k];
   };
   force.body = bodies[0];
   force.X_BE.p = local(0);
@@ -44,7 +43,7 @@ bool Builder::spring_ends(const Element& element, ForceModel& force) {
 // A spring without a length has none of its force at the start.
 void Builder::spring_lengths() {
   const auto place = [&](int body, const Vec3& point) -> Vec3 {
-    return body == kWorld ? point : model_.bodies[static_cast<std::size_t>(body)].X_WB * point;
+    return body == kWorld ? point : model_.bodies[body].X_WB * point;
   };
   for (ForceModel& force : model_.forces) {
     if (!std::isnan(force.length)) continue;
@@ -107,8 +106,7 @@ void Builder::force(const Element& element) {
   const auto body = word.given() ? body_at(element, *word, true) : std::nullopt;
   if (!body) return;
   force.body = *body;
-  if (force.body == kWorld ||
-      model_.bodies[static_cast<std::size_t>(force.body)].kind != BodyKind::dynamic) {
+  if (force.body == kWorld || model_.bodies[force.body].kind != BodyKind::dynamic) {
     fault("CG0707", element, "on",
           "'" + (*word).text + "' " +
               (force.body == kWorld ? "is fixed in the world" : "is static or kinematic") +
@@ -120,7 +118,7 @@ void Builder::force(const Element& element) {
     force.kind = ForceModel::Kind::buoyancy;
     take("density", force.density);
     take("level", force.level);
-    const std::vector<Shape>& shapes = model_.bodies[static_cast<std::size_t>(force.body)].shapes;
+    const std::vector<Shape>& shapes = model_.bodies[force.body].shapes;
     const bool open = std::all_of(shapes.begin(), shapes.end(), [&](const Shape& shape) {
       return !(shape_volume(shape, model_.meshes) > 0.0);
     });
@@ -130,8 +128,7 @@ void Builder::force(const Element& element) {
     if (good && !open) model_.forces.push_back(std::move(force));
     return;
   }
-  force.X_BE =
-      model_.bodies[static_cast<std::size_t>(force.body)].X_WB.inverse() * note(element).X_W;
+  force.X_BE = model_.bodies[force.body].X_WB.inverse() * note(element).X_W;
   if (element.tag() == "drag") {
     force.kind = ForceModel::Kind::drag;
     take("linear", force.linear);

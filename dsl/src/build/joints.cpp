@@ -70,10 +70,9 @@ void Builder::joint(const Element& element) {
       joint.parent = *parent;
       joint.child = *child;
       const auto mobile = [&](int body) {
-        return body != kWorld &&
-               model_.bodies[static_cast<std::size_t>(body)].kind == BodyKind::dynamic;
+        return body != kWorld && model_.bodies[body].kind == BodyKind::dynamic;
       };
-      const std::string child_name = model_.bodies[static_cast<std::size_t>(joint.child)].name;
+      const std::string child_name = model_.bodies[joint.child].name;
       if (joint.parent == joint.child) {
         here.faulty = true;
         fault("CG0604", element, "child",
@@ -82,9 +81,8 @@ void Builder::joint(const Element& element) {
         here.faulty = true;
         fault("CG0707", element,
               "the joint has no effect: '" + child_name + "' and " +
-                  (joint.parent == kWorld
-                       ? std::string("the world")
-                       : "'" + model_.bodies[static_cast<std::size_t>(joint.parent)].name + "'") +
+                  (joint.parent == kWorld ? std::string("the world")
+                                          : "'" + model_.bodies[joint.parent].name + "'") +
                   " are static or kinematic");
       } else if (joint.type == JointType::free && joint.parent != kWorld) {
         here.faulty = true;
@@ -145,8 +143,7 @@ bool Builder::joint_frames(const Element& element, Joint& joint) {
   }
   if (note(element).faulty) return false;
   const auto in_body = [&](int body) {
-    return body == kWorld ? X_WJ
-                          : model_.bodies[static_cast<std::size_t>(body)].X_WB.inverse() * X_WJ;
+    return body == kWorld ? X_WJ : model_.bodies[body].X_WB.inverse() * X_WJ;
   };
   joint.X_PF = in_body(joint.parent);
   joint.X_CM = in_body(joint.child);
@@ -280,7 +277,7 @@ void Builder::coupling(const Element& element) {
   const auto find = [&](const Word& word, std::string_view attribute) {
     const Element* found = names_.find(element, word, Wanted::joint);
     if (found == nullptr || note(*found).joint < 0) return -1;
-    const Joint& joint = model_.joints[static_cast<std::size_t>(note(*found).joint)];
+    const Joint& joint = model_.joints[note(*found).joint];
     if (joint.axes.size() == 1 && joint.type != JointType::ball) return note(*found).joint;
     fault("CG0714", element, attribute,
           "'" + joint.name + "' is " + kind_of(*found) +
@@ -310,7 +307,7 @@ void Builder::coupling(const Element& element) {
                                    [&](const CouplingTerm& t) { return t.joint == joint; });
     if (twice) {
       fault("CG0714", element, "to",
-            "'" + model_.joints[static_cast<std::size_t>(joint)].name +
+            "'" + model_.joints[joint].name +
                 (joint == coupling.joint ? "' cannot follow itself" : "' is named twice"));
       return;
     }
@@ -321,12 +318,11 @@ void Builder::coupling(const Element& element) {
                    [&](const Coupling& other) { return other.joint == coupling.joint; });
   if (same != model_.couplings.end()) {
     fault("CG0714", element, "joint",
-          "'" + model_.joints[static_cast<std::size_t>(coupling.joint)].name +
-              "' already follows other joints")
+          "'" + model_.joints[coupling.joint].name + "' already follows other joints")
         .note("here", same->origin);
     return;
   }
-  const Joint& joint = model_.joints[static_cast<std::size_t>(coupling.joint)];
+  const Joint& joint = model_.joints[coupling.joint];
   const bool turns = axis_turns(joint.type, 0);
   const auto offset = r.number("offset", turns ? dim::kAngle : dim::kLength);
   if (offset.given()) coupling.offset = *offset;
@@ -338,13 +334,13 @@ void Builder::coupling(const Element& element) {
 // The joint starts where the coupling puts it, or has to be given there.
 void Builder::couple_start(const Element& element, const Coupling& coupling) {
   constexpr double kOff = 1e-6;  // [rad], [m] and per second
-  Joint& joint = model_.joints[static_cast<std::size_t>(coupling.joint)];
+  Joint& joint = model_.joints[coupling.joint];
   double q = coupling.offset, u = 0.0;
   const auto value = [](const std::vector<double>& values) {
     return values.empty() ? 0.0 : values[0];
   };
   for (const CouplingTerm& term : coupling.terms) {
-    const Joint& other = model_.joints[static_cast<std::size_t>(term.joint)];
+    const Joint& other = model_.joints[term.joint];
     q += term.ratio * value(other.position);
     u += term.ratio * value(other.velocity);
   }

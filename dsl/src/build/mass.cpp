@@ -15,8 +15,7 @@ void scale_to(MassProperties& whole, double mass) {
 // In the frame of its body; zero for ground. nullopt: unknown for a reason already reported.
 std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
   const auto [b, s] = shape_indices_.at(&element);
-  const Shape& shape =
-      model_.bodies[static_cast<std::size_t>(b)].shapes[static_cast<std::size_t>(s)];
+  const Shape& shape = model_.bodies[b].shapes[s];
   if (note(element).faulty) return std::nullopt;
   if (shape.type == ShapeType::plane || shape.type == ShapeType::heightmap) return MassProperties{};
   Reader r = reader(element);
@@ -27,9 +26,9 @@ std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
   }
   const auto mass = r.number("mass");
   if (mass.failed()) return std::nullopt;
-  const bool fixed = model_.bodies[static_cast<std::size_t>(b)].kind == BodyKind::fixed;
+  const bool fixed = model_.bodies[b].kind == BodyKind::fixed;
   if (shape.mesh >= 0) {
-    const std::size_t open = mesh_open_edges_[static_cast<std::size_t>(shape.mesh)];
+    const std::size_t open = mesh_open_edges_[shape.mesh];
     if (fixed) return MassProperties{};  // scenery need not be a solid
     if (open > 0) {
       fault("CG0706", element, "file",
@@ -39,7 +38,7 @@ std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
       return std::nullopt;
     }
   }
-  const double density = model_.materials[static_cast<std::size_t>(shape.material)].density;
+  const double density = model_.materials[shape.material].density;
   const double weight = mass.given() ? *mass : density * shape_volume(shape, model_.meshes);
   // shape_mass() works in the body's frame.
   const auto properties = shape_mass(shape, model_.meshes, weight);
@@ -113,7 +112,7 @@ std::optional<MassProperties> Builder::mass_of(const Element& element, const Pos
 }
 
 void Builder::finish_mass(const Element& owner, int index) {
-  Body& body = model_.bodies[static_cast<std::size_t>(index)];
+  Body& body = model_.bodies[index];
   const auto whole = mass_of(owner, note(owner).X_W.inverse());
   if (!whole) {
     note(owner).faulty = true;
@@ -157,7 +156,7 @@ void Builder::masses() {
 void Builder::velocities() {
   hints_.body_twist.assign(model_.bodies.size(), TwistSource::none);
   for (const VelocityJob& job : velocity_jobs_) {
-    Body& body = model_.bodies[static_cast<std::size_t>(job.body)];
+    Body& body = model_.bodies[job.body];
     const Element& source = *job.source;
     Reader r = reader(source);
     const auto linear = r.vec3("linear-velocity");
@@ -170,9 +169,8 @@ void Builder::velocities() {
     const Twist whole{*linear, *angular};
     body.V_WB.angular = whole.angular;
     body.V_WB.linear = whole.at(body.X_WB.p - note(source).X_W.p);
-    hints_.body_twist[static_cast<std::size_t>(job.body)] =
-        &source == body_elements_[static_cast<std::size_t>(job.body)] ? TwistSource::itself
-                                                                      : TwistSource::assembly;
+    hints_.body_twist[job.body] =
+        &source == body_elements_[job.body] ? TwistSource::itself : TwistSource::assembly;
   }
 }
 

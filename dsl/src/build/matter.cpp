@@ -101,9 +101,9 @@ int Builder::shape_material(const ShapeJob& job) {
   const int base = job.whole_material != nullptr ? material_index(*job.whole_material) : own;
   Reader r = reader(element);
   bool changed = false;
-  Material made = model_.materials[static_cast<std::size_t>(base)];
+  Material made = model_.materials[base];
   if (own != base) {
-    const Material& looks = model_.materials[static_cast<std::size_t>(own)];
+    const Material& looks = model_.materials[own];
     if (own != 0) {
       made.color = looks.color;
       made.texture = looks.texture;

@@ -34,11 +34,11 @@ void Builder::doors() {
     const auto motor = motors.find(plan.motor->path);
     if (motor != motors.end()) {
       door.motor = motor->second;
-      Motor& drive = model_.motors[static_cast<std::size_t>(door.motor)];
-      const Joint& slide = model_.joints[static_cast<std::size_t>(drive.joint)];
+      Motor& drive = model_.motors[door.motor];
+      const Joint& slide = model_.joints[drive.joint];
       const Note& leaf = note(*plan.leaf);
       if (leaf.body != kWorld && !leaf.faulty && !note(*plan.element).faulty) {
-        const Body& body = model_.bodies[static_cast<std::size_t>(leaf.body)];
+        const Body& body = model_.bodies[leaf.body];
         // Enough to lift it, and to stop it within its time constant from half a metre a second.
         if (!plan.force_given) drive.max_effort = std::max(kLeastForce, kPull * body.mass);
         const Vec3 axis = body.X_WB.q * (slide.X_CM.q * Vec3::UnitZ());
@@ -63,7 +63,7 @@ void Builder::mazes() {
     maze.name = made.element->path;
     maze.X_WM = note(*made.element).X_W;
     const auto number = [&](int& piece) {
-      if (piece >= 0) piece = made.doors[static_cast<std::size_t>(piece)];
+      if (piece >= 0) piece = made.doors[piece];
     };
     std::for_each(maze.vertical.begin(), maze.vertical.end(), number);
     std::for_each(maze.horizontal.begin(), maze.horizontal.end(), number);

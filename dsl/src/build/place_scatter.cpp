@@ -103,11 +103,10 @@ void add_solids(const SceneModel& model, const Shape& shape, const Pose& X_GS,
       return;
     }
     case ShapeType::convex_mesh:
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
-        points.push_back(X_GS * v);
+      for (const Vec3& v : model.meshes[shape.mesh]->vertices) points.push_back(X_GS * v);
       return add_points(points, 0.0, out);
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[shape.mesh];
       for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const geometry::Triangle t = geometry::triangle(mesh, i);
         add_points({X_GS * t[0], X_GS * t[1], X_GS * t[2]}, 0.0, out);

@@ -51,7 +51,7 @@ bool has_signals(const Element& element) {
 ChannelLookup Builder::channels() {
   return [this, built_in = built_in_channels(model_)](int sensor) -> const std::vector<Channel>* {
     if (const auto* known = built_in(sensor)) return known;
-    const SensorModel& given = model_.sensors[static_cast<std::size_t>(sensor)];
+    const SensorModel& given = model_.sensors[sensor];
     PluginCatalog* plugins = context_.options.plugins;
     if (plugins == nullptr || built_in_sensor(given.type) != nullptr) return nullptr;
     const auto [entry, is_new] = plugin_channels_.try_emplace(sensor);
@@ -124,7 +124,7 @@ std::optional<std::string> Builder::with_signals(
   const int body = note(*without).body;
   const bool part = is_shape(without->tag()) && body != kWorld;
   if (!part && has_signals(*without) && sink().has_errors()) return std::nullopt;  // it was refused
-  const std::string whole = part ? model_.bodies[static_cast<std::size_t>(body)].name : "";
+  const std::string whole = part ? model_.bodies[body].name : "";
   fault(code, element, attribute,
         part ? "'" + without->path + "' is a part of '" + whole + "' and has no signals of its own"
              : "'" + without->path + "' is " + kind_of(*without) + ", which has no signals")
@@ -227,8 +227,7 @@ void Builder::plot(const Element& element) {
                           return line->find(name) == nullptr;
                         });
       if (element.find(name) != nullptr && !used)
-        fault("CG1202", element, name,
-              "no series of the plot uses its '" + std::string(name) + "'")
+        fault("CG1202", element, name, "no series of the plot uses its '" + std::string(name) + "'")
             .help("move it into a <series> of its own");
     }
   model_.plots.push_back(std::move(plot));

@@ -87,9 +87,8 @@ std::optional<Ground> Builder::named_ground(const Element& scatter) {
         .help("name a region, a cell of a maze, or its free cells: walls.free");
     return std::nullopt;
   }
-  out.X_WG = region->body == kWorld
-                 ? region->X_BR
-                 : model_.bodies[static_cast<std::size_t>(region->body)].X_WB * region->X_BR;
+  out.X_WG =
+      region->body == kWorld ? region->X_BR : model_.bodies[region->body].X_WB * region->X_BR;
   if (region->type == RegionModel::Type::sphere) {
     out.radius = region->radius;
     return out;

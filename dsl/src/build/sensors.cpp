@@ -4,8 +4,8 @@
 
 #include "build/build_scene.h"
 #include "cogrsim/core/image.h"
-#include "cogrsim/sensing/sensor_models.h"
 #include "cogrsim/sensing/sensor.h"
+#include "cogrsim/sensing/sensor_models.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -113,7 +113,7 @@ bool Builder::sensor_parameters(const Element& element, SensorModel& sensor) {
         if (spec->dimensions.size() == 1) {
           take(r.number(name), same);
         } else if (sensor.joint >= 0) {  // of an encoder: as its joint moves
-          const Joint& joint = model_.joints[static_cast<std::size_t>(sensor.joint)];
+          const Joint& joint = model_.joints[sensor.joint];
           const auto axis = r.integer("axis");
           if (axis.failed()) return false;
           const bool turns = *axis > speed_count(joint.type) ||
@@ -172,7 +172,7 @@ bool Builder::camera_settings(const Element& element, const SensorModel& sensor)
 
 void Builder::check_cameras() {
   for (const BuriedCamera& buried : buried_cameras(model_)) {
-    const Element& element = *sensor_elements_[static_cast<std::size_t>(buried.sensor)];
+    const Element& element = *sensor_elements_[buried.sensor];
     fault("CG0711", element, buried.error.message).help(buried.error.hint);
   }
 }
@@ -214,12 +214,10 @@ void Builder::sensor(const Element& element) {
     if (body) {
       sensor.body = *body;
       const Pose& X_WS = note(element).X_W;
-      sensor.X_BS = *body == kWorld
-                        ? X_WS
-                        : model_.bodies[static_cast<std::size_t>(*body)].X_WB.inverse() * X_WS;
+      sensor.X_BS = *body == kWorld ? X_WS : model_.bodies[*body].X_WB.inverse() * X_WS;
     }
   } else if (sensor.joint >= 0) {
-    const Joint& joint = model_.joints[static_cast<std::size_t>(sensor.joint)];
+    const Joint& joint = model_.joints[sensor.joint];
     sensor.body = joint.child;
     sensor.X_BS = joint.X_CM;
   }

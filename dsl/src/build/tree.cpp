@@ -59,8 +59,9 @@ void Builder::check_part(const Element& element, const Inherited& around, const 
       own.is_kinematic == around.is_kinematic && own.gravity_scale == around.gravity_scale)
     return;
   fault("CG0608", element,
-        "a part of the rigid '" + around.glue->path + "' cannot be static, move by itself or have "
-        "another weight")
+        "a part of the rigid '" + around.glue->path +
+            "' cannot be static, move by itself or have "
+            "another weight")
       .help("write static, kinematic, gravity-scale and velocities on the whole");
 }
 
@@ -156,7 +157,7 @@ void Builder::new_body(const Element& element, const Inherited& around) {
     job.material = inside.material;
     job.whole_material = inside.whole_material;
     job.material_failed = inside.material_failed;
-    body_shapes_[static_cast<std::size_t>(here.body)].push_back(job);
+    body_shapes_[here.body].push_back(job);
   }
   tree(element, inside);
 }

@@ -80,8 +80,8 @@ Result<std::vector<EditElement*>> SceneEditor::assembled_parts(const AssembleEle
   EditElement& home = *parts.front()->parent;
   for (EditElement* part : parts)
     if (part->parent != &home)
-      return fail(called(*part) + " and " + called(*parts.front()) + " have different parents",
-                  "", "move them into one assembly, or to the top, first");
+      return fail(called(*part) + " and " + called(*parts.front()) + " have different parents", "",
+                  "move them into one assembly, or to the top, first");
   if (home.tag == "body") return fail("shapes of a body are one rigid body already");
   return parts;
 }
@@ -182,8 +182,8 @@ Result<> SceneEditor::run(const GroupElements& op) {
   EditElement& home = *parts.front()->parent;
   for (EditElement* part : parts)
     if (part->parent != &home)
-      return fail(called(*part) + " and " + called(*parts.front()) + " have different parents",
-                  "", "move them into one assembly, or to the top, first");
+      return fail(called(*part) + " and " + called(*parts.front()) + " have different parents", "",
+                  "move them into one assembly, or to the top, first");
   const std::vector<Use> old_uses = uses();
   EditElement& scope = *scope_of(*parts.front());
   auto made = tree_.make("assembly");
@@ -297,7 +297,7 @@ Result<> SceneEditor::run(const DisassembleElement& op) {
       if (scope_of(*node) == &scope && node->find("frame") == nullptr &&
           node->find("on") == nullptr && node->find("at") == nullptr)
         continue;
-      analysis_.items[static_cast<std::size_t>(ids_.at(node))].X_WR = item(*successor).X_W;
+      analysis_.items[ids_.at(node)].X_WR = item(*successor).X_W;
     }
   }
   if (auto good = follow(old_uses, successors); !good) return good;
@@ -318,7 +318,7 @@ Result<> SceneEditor::share_mass(const std::string& whole, const std::string& ma
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const int id = analysis_.origins.bodies[i].element;
     if (id < 0) continue;
-    EditElement* body = nodes_[static_cast<std::size_t>(id)];
+    EditElement* body = nodes_[id];
     if (std::find(parts.begin(), parts.end(), body) == parts.end()) continue;
     masses[body] = model.bodies[i].mass;
     sum += model.bodies[i].mass;

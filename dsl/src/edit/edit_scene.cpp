@@ -63,7 +63,7 @@ void SceneEditor::refresh() {
 Result<EditElement*> SceneEditor::element(int id) const {
   if (id < 0 || id >= static_cast<int>(by_id_.size()))
     return fail("there is no element " + std::to_string(id), "", "take the ids of the newest tree");
-  EditElement* e = by_id_[static_cast<std::size_t>(id)];
+  EditElement* e = by_id_[id];
   if (!alive(*e)) return fail("element " + std::to_string(id) + " was removed just before");
   return e;
 }
@@ -80,7 +80,7 @@ Result<EditElement*> SceneEditor::sibling(const std::optional<int>& before,
 const Analysis::Item& SceneEditor::item(const EditElement& element) const {
   static const Analysis::Item kNone;
   const auto found = ids_.find(&element);
-  return found == ids_.end() ? kNone : analysis_.items[static_cast<std::size_t>(found->second)];
+  return found == ids_.end() ? kNone : analysis_.items[found->second];
 }
 
 int SceneEditor::line_of(const EditElement& element) const {
@@ -108,8 +108,7 @@ Result<EditElement*> SceneEditor::one_thing(int id, const char* what) const {
   auto e = element(id);
   if (!e) return e;
   if (auto good = must_compile(what); !good) return tl::unexpected(good.error());
-  if (*e == &tree_.root())
-    return fail("cannot " + std::string(what) + " the scene itself");
+  if (*e == &tree_.root()) return fail("cannot " + std::string(what) + " the scene itself");
   if (item(**e).single) return e;
   for (const EditElement* up = *e; up != nullptr; up = up->parent) {
     const std::string& tag = up->tag;
@@ -318,7 +317,7 @@ Result<> SceneEditor::run(const DuplicateElement& op) {
   for (const Use& use : uses()) {
     const auto at = std::find(old_inside.begin(), old_inside.end(), use.from);
     if (at == old_inside.end()) continue;
-    EditElement* from = new_inside[static_cast<std::size_t>(at - old_inside.begin())];
+    EditElement* from = new_inside[at - old_inside.begin()];
     all[from].push_back(use.text);
     std::string text;
     std::size_t begin = 0;

@@ -62,10 +62,9 @@ std::vector<SceneEditor::Use> SceneEditor::uses() const {
   std::vector<Use> out;
   for (const Analysis::Use& use : analysis_.uses) {
     Use made;
-    made.from = nodes_[static_cast<std::size_t>(use.from)];
+    made.from = nodes_[use.from];
     made.text = use.text;
-    for (const int id : use.chain)
-      made.chain.push_back(id < 0 ? nullptr : nodes_[static_cast<std::size_t>(id)]);
+    for (const int id : use.chain) made.chain.push_back(id < 0 ? nullptr : nodes_[id]);
     if (made.chain.empty()) continue;
     made.follows = nests(made, made.anchored);
     out.push_back(std::move(made));

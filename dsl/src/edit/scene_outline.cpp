@@ -55,8 +55,8 @@ std::vector<Origin> origins_of(const std::vector<T>& items, const Ids& ids,
     ++counts[out.back().element];
   }
   for (Origin& origin : out)
-    origin.own = origin.element >= 0 && counts[origin.element] == 1 &&
-                 elements[static_cast<std::size_t>(origin.element)].single;
+    origin.own =
+        origin.element >= 0 && counts[origin.element] == 1 && elements[origin.element].single;
   return out;
 }
 
@@ -65,15 +65,14 @@ void take_notes(const OutlineNotes& notes, const Document& document, const Ids& 
   for (const OutlineNotes::ElementPoses& poses : notes.poses) {
     const int id = ids.of(poses.element);
     if (id < 0) continue;
-    Analysis::Item& item = out.items[static_cast<std::size_t>(id)];
+    Analysis::Item& item = out.items[id];
     if (++item.count > 1) {
       item.single = false;
       item.path.clear();
       continue;
     }
     item.single = poses.element->trail == nullptr;
-    for (const Node* up = &document.nodes[static_cast<std::size_t>(id)];
-         up != nullptr && item.single; up = up->parent)
+    for (const Node* up = &document.nodes[id]; up != nullptr && item.single; up = up->parent)
       item.single = !makes_several(up->name) || up == poses.element->node;
     item.parent = ids.of(poses.element->parent);
     item.reference = ids.of(poses.reference);

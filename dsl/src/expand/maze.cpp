@@ -29,8 +29,7 @@ struct Lines {
     SourceSpan span;
     span.file = file;
     span.line = first + at.line;
-    const std::string_view line =
-        at.line < static_cast<int>(whole.size()) ? whole[static_cast<std::size_t>(at.line)] : "";
+    const std::string_view line = at.line < static_cast<int>(whole.size()) ? whole[at.line] : "";
     span.column = 1;
     std::size_t i = 0;
     const std::size_t begin = left + static_cast<std::size_t>(at.begin);
@@ -363,7 +362,7 @@ class MazeMaker {
     drive.open = open_.count(name) != 0;
     const int index = expander_.door_drive(node_, inside, drive);
     if (index < 0) return;
-    DoorPlan& door_plan = context_.doors[static_cast<std::size_t>(index)];
+    DoorPlan& door_plan = context_.doors[index];
     door_plan.passes_ground = direction_ == DoorDirection::down;
     const auto met = [&](const FloorBox& box) {
       return std::any_of(run.swept.begin(), run.swept.end(),
@@ -411,7 +410,7 @@ class MazeMaker {
     if (from == drawing_.cells.end() || to == drawing_.cells.end()) return;
     const std::vector<char> seen = reachable(drawing_, from->row, from->column);
     const auto reached = [&](const MazeDrawing::Cell& c) {
-      return seen[static_cast<std::size_t>(c.row * drawing_.columns + c.column)] != 0;
+      return seen[c.row * drawing_.columns + c.column] != 0;
     };
     if (reached(*to)) return;
     std::vector<std::string> names;

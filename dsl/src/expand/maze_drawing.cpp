@@ -65,7 +65,7 @@ class DrawingReader {
   }
   bool enough() const { return out_.faults.size() >= kMaxFaults; }
 
-  std::string_view line(int index) const { return lines_[static_cast<std::size_t>(index)]; }
+  std::string_view line(int index) const { return lines_[index]; }
 
   // A tab is as wide as an editor likes.
   bool tabs() {
@@ -119,11 +119,10 @@ class DrawingReader {
     out_.pitch = static_cast<int>(second);
     const int length = static_cast<int>(first.size());
     for (int at = 0; at < length; at += out_.pitch)
-      if (first[static_cast<std::size_t>(at)] != '+') {
+      if (first[at] != '+') {
         fault("CG0323", {0, at, 1},
               "expected a corner '+' here, " + std::to_string(out_.pitch) +
-                  " characters after the last one, found " +
-                  shown(first[static_cast<std::size_t>(at)]),
+                  " characters after the last one, found " + shown(first[at]),
               "all cells of a maze are equally wide");
         return false;
       }
@@ -181,19 +180,18 @@ class DrawingReader {
     const int row = out_.rows - index / 2;
     for (int column = 0; column <= out_.columns && !enough(); ++column) {
       const int corner = column * out_.pitch;
-      const char c = text[static_cast<std::size_t>(corner)];
+      const char c = text[corner];
       if (c != '+')
-        fault("CG0323", {index, corner, 1},
-              "expected a corner '+' here, found " + (c == ' ' ? "a blank" : shown(c)),
-              "corners are " + std::to_string(out_.pitch) +
-                  " characters apart in every second line");
+        fault(
+            "CG0323", {index, corner, 1},
+            "expected a corner '+' here, found " + (c == ' ' ? "a blank" : shown(c)),
+            "corners are " + std::to_string(out_.pitch) + " characters apart in every second line");
       if (column == out_.columns) break;
       const std::string_view wall = text.substr(static_cast<std::size_t>(corner) + 1,
                                                 static_cast<std::size_t>(out_.pitch) - 1);
       const DrawnAt at{index, corner + 1, out_.pitch - 1};
       const bool outer = row == 0 || row == out_.rows;
-      out_.horizontal[static_cast<std::size_t>(row * out_.columns + column)] =
-          segment(wall, '-', at, outer);
+      out_.horizontal[row * out_.columns + column] = segment(wall, '-', at, outer);
     }
   }
 
@@ -203,7 +201,7 @@ class DrawingReader {
     const int row = out_.rows - 1 - index / 2;
     for (int column = 0; column <= out_.columns && !enough(); ++column) {
       const int begin = column * out_.pitch;
-      out_.vertical[static_cast<std::size_t>(row * (out_.columns + 1) + column)] =
+      out_.vertical[row * (out_.columns + 1) + column] =
           segment(text.substr(static_cast<std::size_t>(begin), 1), '|', {index, begin, 1},
                   column == 0 || column == out_.columns);
       if (column == out_.columns) break;

@@ -40,12 +40,8 @@ struct MazeDrawing {
   std::vector<Cell> cells;           ///< those with a name, in reading order
   std::vector<DrawingFault> faults;  ///< not empty: the rest is not to be used
 
-  char west(int row, int column) const {
-    return vertical[static_cast<std::size_t>(row * (columns + 1) + column)];
-  }
-  char south(int row, int column) const {
-    return horizontal[static_cast<std::size_t>(row * columns + column)];
-  }
+  char west(int row, int column) const { return vertical[row * (columns + 1) + column]; }
+  char south(int row, int column) const { return horizontal[row * columns + column]; }
   /// Where a piece of wall is drawn.
   DrawnAt at_west(int row, int column) const;
   DrawnAt at_south(int row, int column) const;

@@ -41,7 +41,7 @@ std::string presentable(std::string_view line) {
 
 Report& Report::help(std::string text) {
   if (index_ < 0 || text.empty()) return *this;
-  std::string& help = sink_->entries_[static_cast<std::size_t>(index_)].diagnostic.help;
+  std::string& help = sink_->entries_[index_].diagnostic.help;
   if (!help.empty()) help += '\n';
   help += text;
   return *this;
@@ -53,8 +53,7 @@ Report& Report::note(std::string text, const SourceSpan& at) {
 
 Report& Report::note(std::string text, SourcePosition at) {
   if (index_ < 0) return *this;
-  sink_->entries_[static_cast<std::size_t>(index_)].diagnostic.notes.emplace_back(std::move(text),
-                                                                                  std::move(at));
+  sink_->entries_[index_].diagnostic.notes.emplace_back(std::move(text), std::move(at));
   return *this;
 }
 
@@ -69,7 +68,7 @@ Report DiagnosticSink::report(std::string_view code, const SourceSpan& at, const
   std::vector<int>& here = by_position_[place_key(code, at)];
   int same = -1;
   for (const int i : here) {
-    const Entry& e = entries_[static_cast<std::size_t>(i)];
+    const Entry& e = entries_[i];
     if (e.diagnostic.message == message && (at.file >= 0 || e.trail == trail)) {
       same = i;
       break;
@@ -77,7 +76,7 @@ Report DiagnosticSink::report(std::string_view code, const SourceSpan& at, const
     if (at.file >= 0 && e.trail != trail && same < 0) same = i;
   }
   if (same >= 0) {
-    Entry& e = entries_[static_cast<std::size_t>(same)];
+    Entry& e = entries_[same];
     if (e.trail != trail) ++e.repeats;  // two reports on one element are one finding
     return Report(this, -1);
   }

@@ -97,7 +97,7 @@ class SourceFiles {
   /// the scene's folder or a library folder, and within limits. Empty: reported, at `at`.
   std::string resolve_asset(std::string_view href, const SourceSpan& at);
 
-  const SourceFile& file(int index) const { return *files_[static_cast<std::size_t>(index)]; }
+  const SourceFile& file(int index) const { return *files_[index]; }
   int size() const { return static_cast<int>(files_.size()); }
 
   /// Absolute paths of everything that was opened or located so far, sorted.

@@ -3,8 +3,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "values/attribute_text.h"
 #include "report/diagnostics.h"
+#include "values/attribute_text.h"
 #include "values/reader_detail.h"
 
 namespace cogrsim::dsl {
@@ -181,7 +181,7 @@ Read<Vec3> Reader::vec3(std::string_view attribute) {
   Read<Vec3> out;
   out.value = Vec3::Zero();
   for (int i = 0; i < 3 && i < static_cast<int>(list.value.size()); ++i) {
-    out.value[i] = list.value[static_cast<std::size_t>(i)];
+    out.value[i] = list.value[i];
   }
   out.state = static_cast<Read<Vec3>::State>(list.state);
   return out;

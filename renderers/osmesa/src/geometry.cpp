@@ -138,7 +138,7 @@ Triangles smooth(const std::vector<Vec3>& vertices, const std::vector<Eigen::Vec
   std::map<std::array<double, 3>, std::vector<std::size_t>> around;
   std::vector<Vec3> normals;  // length: twice the area
   const auto corner = [&](std::size_t face, int k) -> const Vec3& {
-    return vertices[static_cast<std::size_t>(faces[face][k])];
+    return vertices[faces[face][k]];
   };
   const auto key = [](const Vec3& v) { return std::array<double, 3>{v.x(), v.y(), v.z()}; };
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -162,7 +162,7 @@ Triangles smooth(const std::vector<Vec3>& vertices, const std::vector<Eigen::Vec
       const auto [it, is_new] = known.try_emplace({p[0], p[1], p[2], n[0], n[1], n[2]},
                                                   static_cast<std::uint32_t>(out.vertices.size()));
       if (is_new) add(out, corner(f, k), sum);
-      indices[static_cast<std::size_t>(k)] = it->second;
+      indices[k] = it->second;
     }
     add_triangle(out, indices[0], indices[1], indices[2]);
   }
@@ -214,11 +214,10 @@ std::array<float, 4> unit_scale(const Shape& shape) {
 
 Triangles faces_of(const SceneModel& model, const Shape& shape) {
   if (shape.type == ShapeType::heightmap) {
-    const TriangleMesh ground =
-        geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]);
+    const TriangleMesh ground = geometry::triangles_of(*model.heightmaps[shape.heightmap]);
     return smooth(ground.vertices, ground.triangles);
   }
-  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh& mesh = *model.meshes[shape.mesh];
   return smooth(mesh.vertices, mesh.triangles);
 }
 

@@ -43,7 +43,7 @@ Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& t
     for (std::size_t s = 0; s < body.shapes.size(); ++s) {
       const Shape& shape = body.shapes[s];
       if (!shape.visible) continue;
-      const Material& material = model.materials[static_cast<std::size_t>(shape.material)];
+      const Material& material = model.materials[shape.material];
       Item item;
       item.body = static_cast<int>(b);
       item.shape = static_cast<int>(s);
@@ -77,7 +77,7 @@ std::vector<Placement> place_items(const std::vector<Item>& items, const std::ve
   std::vector<Placement> out;
   out.reserve(items.size());
   for (const Item& item : items) {
-    const Pose& X_WB = poses[static_cast<std::size_t>(item.body)];
+    const Pose& X_WB = poses[item.body];
     Placement placement;
     placement.R_WS = (X_WB.q * item.X_BS.q).normalized().toRotationMatrix();
     placement.p_WS = X_WB * item.X_BS.p;

@@ -265,7 +265,7 @@ void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderReq
     }
     polygon = cut(std::move(polygon), view);
     if (polygon.size() < 3) continue;
-    const Material& material = model_->materials[static_cast<std::size_t>(item.source->material)];
+    const Material& material = model_->materials[item.source->material];
     const Eigen::Vector2d size = material.texture_size.value_or(Eigen::Vector2d(1.0, 1.0));
     // Whole copies are taken off, so that the numbers stay small far from the origin.
     const Eigen::Vector2d start = (camera_S.head<2>().array() / size.array());
@@ -277,8 +277,8 @@ void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderReq
       const Eigen::Vector2d uv =
           (local.head<2>().array() / size.array()).matrix() + (start - shift);
       for (int k = 0; k < 3; ++k) {
-        vertex.position[static_cast<std::size_t>(k)] = static_cast<float>(corner[k]);
-        vertex.normal[static_cast<std::size_t>(k)] = static_cast<float>(normal[k]);
+        vertex.position[k] = static_cast<float>(corner[k]);
+        vertex.normal[k] = static_cast<float>(normal[k]);
       }
       vertex.uv = {static_cast<float>(uv.x()), static_cast<float>(1.0 - uv.y())};
       fan.vertices.push_back(vertex);

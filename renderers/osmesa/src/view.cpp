@@ -25,9 +25,9 @@ void finish(View& view) {
 std::array<Eigen::Vector4d, 6> clip_planes(const Eigen::Matrix4d& clip) {
   std::array<Eigen::Vector4d, 6> planes;
   for (int i = 0; i < 3; ++i) {
-    planes[static_cast<std::size_t>(2 * i)] = (clip.row(3) - clip.row(i)).transpose();
+    planes[2 * i] = (clip.row(3) - clip.row(i)).transpose();
     // Depth runs from 0, the others from -1.
-    planes[static_cast<std::size_t>(2 * i + 1)] =
+    planes[2 * i + 1] =
         (i == 2 ? clip.row(2).eval() : (clip.row(3) + clip.row(i)).eval()).transpose();
   }
   for (Eigen::Vector4d& plane : planes) plane /= plane.head<3>().norm();

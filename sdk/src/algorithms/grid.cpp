@@ -69,7 +69,7 @@ double& Grid::edge_at(const GridEdge& edge) {
   const bool upright = edge.side == Side::east || edge.side == Side::west;
   const int at = upright ? row * (columns_ + 1) + column + (edge.side == Side::east ? 1 : 0)
                          : (row + (edge.side == Side::north ? 1 : 0)) * columns_ + column;
-  return (upright ? vertical_ : horizontal_)[static_cast<std::size_t>(at)];
+  return (upright ? vertical_ : horizontal_)[at];
 }
 
 double Grid::cost(const GridEdge& edge) const {
@@ -92,7 +92,7 @@ Result<> Grid::set_cost(const Cell& cell, double cost) {
         fmt::format("cell {} is outside of the grid of {} x {}", to_string(cell), rows_, columns_));
   }
   if (Result<> checked = check_cost("cell " + to_string(cell), cost); !checked) return checked;
-  cells_[static_cast<std::size_t>(index(cell))] = cost;
+  cells_[index(cell)] = cost;
   return {};
 }
 
@@ -155,11 +155,11 @@ std::vector<int> Grid::reachable(const Cell& from) const {
   std::vector<char> seen(static_cast<std::size_t>(size()), 0);
   std::vector<Step> next;
   found.push_back(index(from));
-  seen[static_cast<std::size_t>(found.front())] = 1;
+  seen[found.front()] = 1;
   for (std::size_t i = 0; i < found.size(); ++i) {
     steps(found[i], next);
     for (const Step& step : next) {
-      char& mark = seen[static_cast<std::size_t>(step.to)];
+      char& mark = seen[step.to];
       if (mark == 0) found.push_back(step.to);
       mark = 1;
     }

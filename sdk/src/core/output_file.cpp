@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 constexpr std::size_t kBufferSize = 1 << 16;  // of the write buffer [byte]
-constexpr std::size_t kMarkRange = 4096;  // marks are within this distance of either end [byte]
+constexpr std::size_t kMarkRange = 4096;      // marks are within this distance of either end [byte]
 
 // PNG chunk "Software", with its CRC-32; before the last chunk.
 constexpr auto kPngMark = "\0\0\0\x10tEXtSoftware\0CogRSim\x9a\x9fZ\xe3"sv;
@@ -163,8 +163,8 @@ bool is_ours(OutputKind kind, const std::string& path) {
   const ssize_t last = ::pread(file, tail.data(), tail.size(), start);
   ::close(file);
   if (first < 0 || last < 0) return false;
-  head.resize(static_cast<std::size_t>(first));
-  tail.resize(static_cast<std::size_t>(last));
+  head.resize(first);
+  tail.resize(last);
   return is_ours(kind, head, tail);
 }
 

@@ -113,7 +113,7 @@ std::string Clearance::in_the_way(const SceneModel& fragment, const Pose& pose,
       X_WB.p.z() += kSunk;
       const PlacedShape newcomer = placed(fragment, static_cast<int>(i), shape, X_WB, clearance);
       for (const PlacedShape& other : shapes_) {
-        if (meet(newcomer, other)) return model_.bodies[static_cast<std::size_t>(other.body)].name;
+        if (meet(newcomer, other)) return model_.bodies[other.body].name;
       }
     }
   }

@@ -140,7 +140,7 @@ Core core_of(const SceneModel& model, const Shape& shape) {
       core.radius = shape.radius;
       break;
     default: {
-      const auto& vertices = model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices;
+      const auto& vertices = model.meshes[shape.mesh]->vertices;
       core.kind = Core::Kind::points;
       core.points = vertices.data();
       core.count = vertices.size();
@@ -162,7 +162,7 @@ Bounds local_bounds(const SceneModel& model, const Shape& shape) {
     case ShapeType::plane:
       return {Vec3::Constant(-kInfinity), {kInfinity, kInfinity, 0.0}};
     case ShapeType::heightmap: {
-      const HeightGrid& grid = *model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *model.heightmaps[shape.heightmap];
       const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
       return {{-0.5 * grid.size_x, -0.5 * grid.size_y, *low},
               {0.5 * grid.size_x, 0.5 * grid.size_y, *high}};

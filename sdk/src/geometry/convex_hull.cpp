@@ -58,9 +58,8 @@ TriangleMesh convex_hull(const TriangleMesh& mesh) {
     FORALLfacets {
       Eigen::Vector3i corners = facet_corners(qh, facet);
       if (corners.minCoeff() < 0) continue;
-      const Vec3& a = out.vertices[static_cast<std::size_t>(corners[0])];
-      const Vec3 normal = (out.vertices[static_cast<std::size_t>(corners[1])] - a)
-                              .cross(out.vertices[static_cast<std::size_t>(corners[2])] - a);
+      const Vec3& a = out.vertices[corners[0]];
+      const Vec3 normal = (out.vertices[corners[1]] - a).cross(out.vertices[corners[2]] - a);
       if (normal.dot(Eigen::Map<const Vec3>(facet->normal)) < 0.0)
         std::swap(corners[1], corners[2]);
       out.triangles.push_back(corners);

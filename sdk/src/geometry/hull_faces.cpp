@@ -18,14 +18,14 @@ struct Facet {
   double longest;  // length of the longest edge [m]
 };
 
-const Vec3& at(const HullFaces& hull, int v) { return hull.vertices[static_cast<std::size_t>(v)]; }
+const Vec3& at(const HullFaces& hull, int v) { return hull.vertices[v]; }
 
 /// Stores the corners of the hull in `out` and returns its triangles, the largest first.
 std::vector<Facet> make_facets(const TriangleMesh& hull, HullFaces& out) {
   // The hull contains all points of its mesh; its corners are those that triangles use.
   std::vector<int> number(hull.vertices.size(), -1);
   for (const Eigen::Vector3i& t : hull.triangles)
-    for (int k = 0; k < 3; ++k) number[static_cast<std::size_t>(t[k])] = 0;
+    for (int k = 0; k < 3; ++k) number[t[k]] = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (number[i] < 0) continue;
     number[i] = static_cast<int>(out.vertices.size());
@@ -34,7 +34,7 @@ std::vector<Facet> make_facets(const TriangleMesh& hull, HullFaces& out) {
   std::vector<Facet> facets;
   for (const Eigen::Vector3i& t : hull.triangles) {
     Facet facet;
-    for (int k = 0; k < 3; ++k) facet.corners[k] = number[static_cast<std::size_t>(t[k])];
+    for (int k = 0; k < 3; ++k) facet.corners[k] = number[t[k]];
     const Vec3 ab = at(out, facet.corners[1]) - at(out, facet.corners[0]);
     const Vec3 ac = at(out, facet.corners[2]) - at(out, facet.corners[0]);
     facet.normal = ab.cross(ac);
@@ -83,10 +83,10 @@ HullFaces hull_faces(const TriangleMesh& mesh, std::size_t most_corners) {
   std::vector<std::vector<int>> faces_of(out.vertices.size());
   for (const Facet& facet : facets) {
     const auto belongs = [&](int face, int k) {
-      const auto& faces = faces_of[static_cast<std::size_t>(facet.corners[k])];
+      const auto& faces = faces_of[facet.corners[k]];
       return std::find(faces.begin(), faces.end(), face) != faces.end();
     };
-    const auto& candidates = faces_of[static_cast<std::size_t>(facet.corners[0])];
+    const auto& candidates = faces_of[facet.corners[0]];
     const bool known = std::any_of(candidates.begin(), candidates.end(),
                                    [&](int f) { return belongs(f, 1) && belongs(f, 2); });
     // The normal of a sliver is inaccurate; its corners belong to the neighbouring faces.

@@ -16,9 +16,9 @@ namespace {
 double winding_number(const TriangleMesh& mesh, const Vec3& p) {
   double sum = 0.0;
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])] - p;
-    const Vec3 b = mesh.vertices[static_cast<std::size_t>(t[1])] - p;
-    const Vec3 c = mesh.vertices[static_cast<std::size_t>(t[2])] - p;
+    const Vec3 a = mesh.vertices[t[0]] - p;
+    const Vec3 b = mesh.vertices[t[1]] - p;
+    const Vec3 c = mesh.vertices[t[2]] - p;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
     sum += 2.0 * std::atan2(a.dot(b.cross(c)),
                             la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
@@ -45,11 +45,9 @@ bool inside_shape(const SceneModel& model, const Shape& shape, const Vec3& p, do
       return p.z() < -margin;
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
-      return winding_number(*model.meshes[static_cast<std::size_t>(shape.mesh)], p) > 0.5;
+      return winding_number(*model.meshes[shape.mesh], p) > 0.5;
     case ShapeType::heightmap:
-      return p.z() < ground_height(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)],
-                                   p.x(), p.y()) -
-                         margin;
+      return p.z() < ground_height(*model.heightmaps[shape.heightmap], p.x(), p.y()) - margin;
   }
   return false;
 }

@@ -47,7 +47,7 @@ class Comparer {
         out.depth = core.margin - placed.support(-Vec3::UnitZ()).z();
         break;
       case ShapeType::heightmap:
-        out = over_heights(*model_.heightmaps[static_cast<std::size_t>(ground.heightmap)], placed);
+        out = over_heights(*model_.heightmaps[ground.heightmap], placed);
         break;
       default:
         out = in_triangles(ground.mesh, placed);
@@ -71,7 +71,7 @@ class Comparer {
   }
 
   Penetration in_triangles(int index, const Placed& placed) {
-    const TriangleMesh& mesh = *model_.meshes[static_cast<std::size_t>(index)];
+    const TriangleMesh& mesh = *model_.meshes[index];
     const auto [known, is_new] = trees_.try_emplace(index);
     if (is_new) {
       std::vector<Bounds> boxes;
@@ -155,7 +155,7 @@ class Finder {
     if (shape.type == ShapeType::plane) return all_bounds();
     if (shape.type == ShapeType::heightmap) {
       // All below it is in it.
-      const HeightGrid& grid = *model_.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *model_.heightmaps[shape.heightmap];
       const double high = *std::max_element(grid.heights.begin(), grid.heights.end());
       const Vec3 top(0.5 * grid.size_x, 0.5 * grid.size_y, high);
       return carried({Vec3(-top.x(), -top.y(), high - kDeep), top}, solid.X_WS);
@@ -164,8 +164,7 @@ class Finder {
     // Many bodies may have the same large mesh.
     const auto [known, is_new] = mesh_bounds_.try_emplace(shape.mesh);
     if (is_new)
-      for (const Vec3& v : model_.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
-        known->second.add(v);
+      for (const Vec3& v : model_.meshes[shape.mesh]->vertices) known->second.add(v);
     return carried(known->second, solid.X_WS);
   }
 

@@ -58,13 +58,13 @@ class Polytope {
     std::array<Vec3, 3> up, down;
     Vec3 extent;
     for (int i = 0; i < 3; ++i) {
-      up[static_cast<std::size_t>(i)] = ask(Vec3::Unit(i));
-      down[static_cast<std::size_t>(i)] = ask(-Vec3::Unit(i));
-      extent[i] = (up[static_cast<std::size_t>(i)] - down[static_cast<std::size_t>(i)])[i];
+      up[i] = ask(Vec3::Unit(i));
+      down[i] = ask(-Vec3::Unit(i));
+      extent[i] = (up[i] - down[i])[i];
     }
     size_ = extent.maxCoeff(&axis);
     const double flat = kSliver * size_;
-    points_ = {down[static_cast<std::size_t>(axis)], up[static_cast<std::size_t>(axis)]};
+    points_ = {down[axis], up[axis]};
     if (size_ <= 0.0) return false;
     const Vec3 line = (points_[1] - points_[0]).normalized();
     const Vec3 x = line.unitOrthogonal(), y = line.cross(x);

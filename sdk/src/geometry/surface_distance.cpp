@@ -161,7 +161,7 @@ std::vector<Item> items(const SurfaceSet& set, const std::vector<Pose>& poses,
 SurfaceSet SurfaceSet::of_bodies(const SceneModel& model, const std::vector<int>& bodies) {
   SurfaceSet set;
   for (const int index : bodies) {
-    const std::vector<Shape>& shapes = model.bodies[static_cast<std::size_t>(index)].shapes;
+    const std::vector<Shape>& shapes = model.bodies[index].shapes;
     const bool touches =
         std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.collides; });
     for (const Shape& shape : shapes)

@@ -85,8 +85,7 @@ std::vector<Item> items_of(const Frame& frame) {
 // The mean colour of a shape, including its texture.
 Color far_color(const SceneModel& model, const Item& item, TextureStore& textures) {
   Color color = shown_color(model, item.body, *item.shape);
-  const auto image =
-      textures.texture(model.materials[static_cast<std::size_t>(item.shape->material)]);
+  const auto image = textures.texture(model.materials[item.shape->material]);
   if (!image) return color;
   constexpr int kSamples = 16;
   double r = 0, g = 0, b = 0;
@@ -139,7 +138,7 @@ void draw_plane(const Canvas& canvas, const Pose& X_WS, const Color& color) {
 // Draws heights as brightness, in at most 64 x 64 patches.
 void draw_heightmap(const Canvas& canvas, const SceneModel& model, const Shape& shape,
                     const Pose& X_WS, const Color& color) {
-  const HeightGrid& grid = *model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+  const HeightGrid& grid = *model.heightmaps[shape.heightmap];
   const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
   const double span = std::max(*high - *low, 1e-12);
   const int columns = std::min(grid.columns - 1, 64), rows = std::min(grid.rows - 1, 64);
@@ -148,7 +147,7 @@ void draw_heightmap(const Canvas& canvas, const SceneModel& model, const Shape& 
     for (int c = 0; c < columns; ++c) {
       const int gc = (2 * c + 1) * (grid.columns - 1) / (2 * columns);
       const int gr = (2 * r + 1) * (grid.rows - 1) / (2 * rows);
-      const double h = grid.heights[static_cast<std::size_t>(gr * grid.columns + gc)];
+      const double h = grid.heights[gr * grid.columns + gc];
       std::vector<Eigen::Vector2d> patch;
       for (const auto& [dc, dr] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
         const Vec3 p = X_WS * Vec3(grid.size_x * ((c + dc) / static_cast<double>(columns) - 0.5),
@@ -271,12 +270,12 @@ void draw_names(const Canvas& canvas, const Frame& frame) {
       labels.push_back({body.name, area, moves});
       continue;
     }
-    int& index = of_assembly[static_cast<std::size_t>(assembly)];
+    int& index = of_assembly[assembly];
     if (index < 0) {
       index = static_cast<int>(labels.size());
-      labels.push_back({model.assemblies[static_cast<std::size_t>(assembly)].name, area, moves});
+      labels.push_back({model.assemblies[assembly].name, area, moves});
     } else {
-      Label& label = labels[static_cast<std::size_t>(index)];
+      Label& label = labels[index];
       label.area = joined(label.area, area);
       label.moves = label.moves || moves;
     }
@@ -344,7 +343,7 @@ void draw_trails(const Canvas& canvas, const std::vector<MapTrail>& trails) {
 void draw_rays(const Canvas& canvas, const SceneModel& model, const std::vector<SensorRay>& rays) {
   cairo_t* cr = canvas.context();
   const auto is_lidar = [&](const SensorRay& ray) {
-    return ray.sensor >= 0 && model.sensors[static_cast<std::size_t>(ray.sensor)].type == "lidar";
+    return ray.sensor >= 0 && model.sensors[ray.sensor].type == "lidar";
   };
   std::map<int, std::vector<Eigen::Vector2d>> fans;
   for (const SensorRay& ray : rays) {

@@ -63,17 +63,17 @@ std::vector<Polygon> plan_outline(const SceneModel& model, const Shape& shape, c
       add_ball(points, X_WS * Vec3(0, 0, 0.5 * shape.length), shape.radius);
       break;
     case ShapeType::convex_mesh:
-      for (const Vec3& v : model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices)
+      for (const Vec3& v : model.meshes[shape.mesh]->vertices)
         points.emplace_back((X_WS * v).head<2>());
       break;
     case ShapeType::mesh: {
-      const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[shape.mesh];
       std::vector<Polygon> triangles;
       triangles.reserve(mesh.triangles.size());
       for (const Eigen::Vector3i& t : mesh.triangles) {
         Polygon triangle;
         for (int k = 0; k < 3; ++k) {
-          const Vec3 p = X_WS * mesh.vertices[static_cast<std::size_t>(t[k])];
+          const Vec3 p = X_WS * mesh.vertices[t[k]];
           triangle.emplace_back(p.x(), p.y());
         }
         // All have the same orientation, so that a non-zero fill is their union; edge-on ones add

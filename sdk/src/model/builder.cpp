@@ -141,7 +141,7 @@ int ModelBuilder::body(const std::string& name, double mass, const Mat3& inertia
 }
 
 void ModelBuilder::add_shape(int body, Shape shape, double mass) {
-  Body& owner = model.bodies.at(static_cast<std::size_t>(body));
+  Body& owner = model.bodies.at(body);
   assert(mass == 0.0 || owner.kind == BodyKind::dynamic);
   if (shape.name.empty()) {
     shape.name = owner.name + ".shape_" + std::to_string(owner.shapes.size() + 1);
@@ -155,7 +155,7 @@ int ModelBuilder::joint(const std::string& name, JointType type, int parent, int
   assert(parent != child);
   const auto in_body = [&](int body) {
     if (body == kWorld) return X_WJ;
-    return model.bodies.at(static_cast<std::size_t>(body)).X_WB.inverse() * X_WJ;
+    return model.bodies.at(body).X_WB.inverse() * X_WJ;
   };
   Joint made;
   made.name = name;
@@ -165,13 +165,13 @@ int ModelBuilder::joint(const std::string& name, JointType type, int parent, int
   made.X_PF = in_body(parent);
   made.X_CM = in_body(child);
   const int axes = type == JointType::ball ? 1 : type == JointType::free ? 0 : speed_count(type);
-  made.axes.resize(static_cast<std::size_t>(axes));
+  made.axes.resize(axes);
   model.joints.push_back(std::move(made));
   return index_of_last(model.joints.size());
 }
 
 int ModelBuilder::motor(const std::string& name, int joint, MotorMode mode, int axis) {
-  const Joint& driven = model.joints.at(static_cast<std::size_t>(joint));
+  const Joint& driven = model.joints.at(joint);
   assert(axis >= 0 && static_cast<std::size_t>(axis) < driven.axes.size());
   Motor made;
   made.name = name;
@@ -187,12 +187,12 @@ int ModelBuilder::assembly(const std::string& name, const std::vector<int>& bodi
                            const std::vector<int>& joints) {
   AssemblyInfo made;
   made.name = name;
-  if (!bodies.empty()) made.X_WA = model.bodies.at(static_cast<std::size_t>(bodies[0])).X_WB;
+  if (!bodies.empty()) made.X_WA = model.bodies.at(bodies[0]).X_WB;
   model.assemblies.push_back(std::move(made));
   const int index = index_of_last(model.assemblies.size());
-  for (int body : bodies) model.bodies.at(static_cast<std::size_t>(body)).assembly = index;
+  for (int body : bodies) model.bodies.at(body).assembly = index;
   for (int joint : joints) {
-    model.joints.at(static_cast<std::size_t>(joint)).assembly = index;
+    model.joints.at(joint).assembly = index;
     for (Motor& motor : model.motors) {
       if (motor.joint == joint) motor.assembly = index;
     }
@@ -204,20 +204,20 @@ SceneModelPtr ModelBuilder::build() {
   // Coordinates that were not set follow from the poses of the bodies, which may have changed
   // since.
   const auto pose = [this](int body) {
-    return body == kWorld ? Pose{} : model.bodies.at(static_cast<std::size_t>(body)).X_WB;
+    return body == kWorld ? Pose{} : model.bodies.at(body).X_WB;
   };
   const auto twist = [this](int body) {
-    return body == kWorld ? Twist{} : model.bodies.at(static_cast<std::size_t>(body)).V_WB;
+    return body == kWorld ? Twist{} : model.bodies.at(body).V_WB;
   };
   for (Joint& joint : model.joints) {
     const Pose X_WP = pose(joint.parent), X_WC = pose(joint.child);
     const Pose X_FM = relative_pose(joint, X_WP, X_WC);
     if (joint.position.empty()) {
-      joint.position.resize(static_cast<std::size_t>(position_count(joint.type)));
+      joint.position.resize(position_count(joint.type));
       joint_position(joint, X_FM, nullptr, joint.position.data());
     }
     if (joint.velocity.empty()) {
-      joint.velocity.resize(static_cast<std::size_t>(speed_count(joint.type)));
+      joint.velocity.resize(speed_count(joint.type));
       const Twist V_FM = relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child));
       joint_velocity(joint, X_FM, V_FM, joint.position.data(), joint.velocity.data());
     }

@@ -204,8 +204,7 @@ void joint_position(const Joint& joint, const Pose& X_FM, const double* previous
         };
         if (far(other) < far(angles)) angles = other;
       }
-      for (int i = 0; i < 3; ++i)
-        q[i] = near_previous(angles[static_cast<std::size_t>(i)], before(i));
+      for (int i = 0; i < 3; ++i) q[i] = near_previous(angles[i], before(i));
       break;
     }
     case JointType::planar:

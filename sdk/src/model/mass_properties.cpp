@@ -39,9 +39,7 @@ Moments mesh_moments(const TriangleMesh& mesh) {
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const auto vertex = [&](int i) -> Vec3 {
-      return mesh.vertices[static_cast<std::size_t>(t[i])] - middle;
-    };
+    const auto vertex = [&](int i) -> Vec3 { return mesh.vertices[t[i]] - middle; };
     const Vec3 a = vertex(0), b = vertex(1), c = vertex(2), s = a + b + c;
     const double D = a.dot(b.cross(c));
     out.volume += D / 6;
@@ -91,7 +89,7 @@ Moments moments_of(const Shape& shape, const std::vector<MeshPtr>& meshes) {
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
       assert(shape.mesh >= 0 && static_cast<std::size_t>(shape.mesh) < meshes.size());
-      return mesh_moments(*meshes[static_cast<std::size_t>(shape.mesh)]);
+      return mesh_moments(*meshes[shape.mesh]);
     case ShapeType::plane:
     case ShapeType::heightmap:
       break;

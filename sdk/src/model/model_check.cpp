@@ -114,8 +114,7 @@ class Checker {
       index(coupling.assembly, model_.assemblies, -1, coupling.name, "assembly");
       const auto check = [&](int joint) {
         index(joint, model_.joints, 0, coupling.name, "joint");
-        if (problem_.empty() && model_.joints[static_cast<std::size_t>(joint)].axes.size() != 1)
-          note(coupling.name, "joint");
+        if (problem_.empty() && model_.joints[joint].axes.size() != 1) note(coupling.name, "joint");
       };
       check(coupling.joint);
       for (const CouplingTerm& term : coupling.terms) check(term.joint);
@@ -128,7 +127,7 @@ class Checker {
       index(motor.joint, model_.joints, 0, motor.name, "joint");
       index(motor.assembly, model_.assemblies, -1, motor.name, "assembly");
       if (!problem_.empty()) return;
-      const Joint& joint = model_.joints[static_cast<std::size_t>(motor.joint)];
+      const Joint& joint = model_.joints[motor.joint];
       if (motor.axis < 0 || motor.axis >= static_cast<int>(joint.axes.size())) {
         note(motor.name, "axis");
       }

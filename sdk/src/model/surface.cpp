@@ -49,9 +49,9 @@ double outline(double z, double radius, double half_length) {
 
 Vec2 on_triangle(const TriangleMesh& mesh, std::size_t triangle, const Vec3& point) {
   const Eigen::Vector3i& corners = mesh.triangles[triangle];
-  const Vec3& a = mesh.vertices[static_cast<std::size_t>(corners[0])];
-  const Vec3 ab = mesh.vertices[static_cast<std::size_t>(corners[1])] - a;
-  const Vec3 ac = mesh.vertices[static_cast<std::size_t>(corners[2])] - a;
+  const Vec3& a = mesh.vertices[corners[0]];
+  const Vec3 ab = mesh.vertices[corners[1]] - a;
+  const Vec3 ac = mesh.vertices[corners[2]] - a;
   const Vec3 normal = ab.cross(ac);
   const double area = normal.squaredNorm();
   const Vec2* const uv = &mesh.uv[3 * triangle];
@@ -66,8 +66,7 @@ Vec2 on_triangle(const TriangleMesh& mesh, std::size_t triangle, const Vec3& poi
 
 Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3& point,
                          const Vec3& normal, int triangle) {
-  const std::optional<Vec2>& size =
-      model.materials[static_cast<std::size_t>(shape.material)].texture_size;
+  const std::optional<Vec2>& size = model.materials[shape.material].texture_size;
   const Vec2 step = size.value_or(Vec2(1.0, 1.0));
   const double half = 0.5 * shape.length;
   switch (shape.type) {
@@ -94,14 +93,14 @@ Vec2 texture_coordinates(const SceneModel& model, const Shape& shape, const Vec3
     case ShapeType::plane:
       return point.head<2>().cwiseQuotient(step);
     case ShapeType::heightmap: {
-      const HeightGrid& grid = *model.heightmaps[static_cast<std::size_t>(shape.heightmap)];
+      const HeightGrid& grid = *model.heightmaps[shape.heightmap];
       return on_face({point.head<2>(), {grid.size_x, grid.size_y}}, size);
     }
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
       break;
   }
-  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+  const TriangleMesh& mesh = *model.meshes[shape.mesh];
   const auto index = static_cast<std::size_t>(triangle);
   if (triangle >= 0 && index < mesh.triangles.size() && 3 * index + 2 < mesh.uv.size())
     return on_triangle(mesh, index, point);

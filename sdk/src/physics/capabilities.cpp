@@ -113,7 +113,7 @@ void Check::check_bodies() {
       const std::string element = "shape '" + shape.name + "'";
       need("shape." + type, fmt::format("shape type '{}'", type), element, shape.origin,
            "use another shape, or run the scene on another backend");
-      const Material& material = model_.materials[static_cast<std::size_t>(shape.material)];
+      const Material& material = model_.materials[shape.material];
       if (material.stiffness) {
         need("contact.stiffness", "a material's contact stiffness", element, shape.origin,
              "leave the stiffness out, or run the scene on another backend");

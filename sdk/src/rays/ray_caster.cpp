@@ -85,7 +85,7 @@ class Cast final : public rays::BoxVisitor {
         in_tree_(in_tree) {}
 
   double visit(unsigned index) override {
-    meet(placed_[static_cast<std::size_t>(in_tree_[index])]);
+    meet(placed_[in_tree_[index]]);
     return limit();
   }
 
@@ -285,7 +285,7 @@ void RayCaster::Impl::build_tree() {
   // The middle of most things, so that a few that flew away do not count.
   std::vector<double> sorted[3];
   for (const Placed& p : placed) {
-    const Pose& X_WB = poses[static_cast<std::size_t>(p.body)];
+    const Pose& X_WB = poses[p.body];
     if (p.shape->type == ShapeType::plane || !finite(X_WB)) continue;
     for (int i = 0; i < 3; ++i) sorted[i].push_back(X_WB.p[i]);
   }
@@ -300,7 +300,7 @@ void RayCaster::Impl::build_tree() {
   std::vector<Bounds> boxes;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     Placed& p = placed[i];
-    place(p, poses[static_cast<std::size_t>(p.body)]);
+    place(p, poses[p.body]);
     if (p.group == Placed::Group::list) in_list.push_back(static_cast<int>(i));
     if (p.group != Placed::Group::tree) continue;
     p.box = static_cast<unsigned>(boxes.size());
@@ -341,7 +341,7 @@ void RayCaster::update(const SceneModelPtr& model, const std::vector<Pose>& pose
     if (same(poses[b], impl.poses[b])) continue;
     impl.poses[b] = poses[b];
     for (int i = impl.first[b]; i < impl.first[b + 1]; ++i) {
-      Placed& p = impl.placed[static_cast<std::size_t>(i)];
+      Placed& p = impl.placed[i];
       const Placed::Group before = p.group;
       impl.place(p, poses[b]);
       if (p.group != before) {
@@ -367,7 +367,7 @@ RayHit RayCaster::cast(const Ray& ray, const std::vector<int>& ignored) const {
   const Vec3 direction = ray.direction / length;
   Cast cast(ray, direction, ignored, impl.placed, impl.in_tree);
   if (!(cast.from() <= cast.limit()) || std::isnan(ray.min_distance)) return hit;
-  for (const int i : impl.in_list) cast.meet(impl.placed[static_cast<std::size_t>(i)]);
+  for (const int i : impl.in_list) cast.meet(impl.placed[i]);
   impl.tree.trace(ray.origin, direction, cast.from(), cast.limit(), cast);
 
   const Candidate& best = cast.best();

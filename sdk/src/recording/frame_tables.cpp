@@ -20,7 +20,7 @@ void body_rows(const Frame& frame, const Use& use) {
 
 void joint_rows(const Frame& frame, const Use& use) {
   const auto value = [](const std::vector<double>& values, int i, int count, int offset) {
-    return i < count ? TableValue(values[static_cast<std::size_t>(offset + i)]) : TableValue();
+    return i < count ? TableValue(values[offset + i]) : TableValue();
   };
   for (const Joint& joint : frame.model->joints) {
     if (joint.removed) continue;
@@ -35,9 +35,7 @@ void joint_rows(const Frame& frame, const Use& use) {
 }
 
 void contact_rows(const Frame& frame, const Use& use) {
-  const auto name = [&](int body) -> std::string_view {
-    return frame.model->bodies[static_cast<std::size_t>(body)].name;
-  };
+  const auto name = [&](int body) -> std::string_view { return frame.model->bodies[body].name; };
   for (const Contact& c : frame.contacts) {
     use({frame.time, name(c.body_a), name(c.body_b), c.point.x(), c.point.y(), c.point.z(),
          c.normal.x(), c.normal.y(), c.normal.z(), c.depth, c.force.x(), c.force.y(), c.force.z()});

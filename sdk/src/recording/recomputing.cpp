@@ -66,8 +66,8 @@ class Reader {
     if (suite_.begin(from->time, to.dt)) {
       sensing_.show(seen_by_sensors(from, to.model));
       for (const SensorFault& fault : suite_.read(sensing_)) {
-        if (to.readings[static_cast<std::size_t>(fault.sensor)].valid) {
-          const std::string& name = model_->sensors[static_cast<std::size_t>(fault.sensor)].name;
+        if (to.readings[fault.sensor].valid) {
+          const std::string& name = model_->sensors[fault.sensor].name;
           return fail(fmt::format("sensor '{}' cannot measure: {}", name, fault.error.message), "",
                       fault.error.hint);
         }
@@ -96,9 +96,8 @@ class Reader {
     }
     model_ = model;
     if (!contacts_ && suite_.needs().contacts) {
-      return fail(
-          "readings cannot be recomputed: a sensor needs contacts, which were not recorded", "",
-          "record with contacts=\"true\"");
+      return fail("readings cannot be recomputed: a sensor needs contacts, which were not recorded",
+                  "", "record with contacts=\"true\"");
     }
     return {};
   }

@@ -101,7 +101,7 @@ Camera standard_camera(StandardView view, const geometry::Bounds& bounds, int wi
 Pose view_pose(const Frame& frame, const ViewModel& view) {
   for (const NamedFrame& on : frame.model->frames) {
     if (on.name != view.name || on.removed || on.body == kWorld) continue;
-    return frame.state.poses[static_cast<std::size_t>(on.body)] * on.X_BF;
+    return frame.state.poses[on.body] * on.X_BF;
   }
   return view.X_WV;
 }

@@ -15,7 +15,7 @@ namespace sensor_models {
 namespace {
 
 bool inside_body(const SceneModel& model, int body, const Vec3& p_W) {
-  const Body& b = model.bodies[static_cast<std::size_t>(body)];
+  const Body& b = model.bodies[body];
   const Vec3 p_B = b.X_WB.inverse() * p_W;
   return std::any_of(b.shapes.begin(), b.shapes.end(), [&](const Shape& shape) {
     return shape.visible && geometry::inside_shape(model, shape, shape.X_BS.inverse() * p_B);
@@ -147,7 +147,7 @@ class CameraInstrument final : public Sensor {
 
 bool in_own_body(const SceneModel& model, const SensorModel& sensor) {
   if (sensor.body == kWorld) return false;
-  const Pose& X_WB = model.bodies[static_cast<std::size_t>(sensor.body)].X_WB;
+  const Pose& X_WB = model.bodies[sensor.body].X_WB;
   return inside_body(model, sensor.body, X_WB * sensor.X_BS.p);
 }
 
@@ -224,7 +224,7 @@ std::vector<BuriedCamera> buried_cameras(const SceneModel& model) {
     const SensorModel& sensor = model.sensors[s];
     if (sensor.type != "camera" || sensor.removed) continue;
     Vec3 eye = sensor.X_BS.p;
-    if (sensor.body != kWorld) eye = model.bodies[static_cast<std::size_t>(sensor.body)].X_WB * eye;
+    if (sensor.body != kWorld) eye = model.bodies[sensor.body].X_WB * eye;
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       const int body = static_cast<int>(i);
       if (model.bodies[i].removed || body == sensor.body) continue;

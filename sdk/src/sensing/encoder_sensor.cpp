@@ -16,7 +16,7 @@ class Encoder final : public Sensor {
   Result<> configure(const SceneModel& model, const SensorModel& sensor,
                      const Parameters& parameters) override {
     if (sensor.joint < 0) return fail("it measures no joint", "", "name one: joint=\"…\"");
-    const Joint& joint = model.joints[static_cast<std::size_t>(sensor.joint)];
+    const Joint& joint = model.joints[sensor.joint];
     const bool axes_are_coordinates = joint.type != JointType::ball &&
                                       joint.type != JointType::free &&
                                       joint.type != JointType::fixed;

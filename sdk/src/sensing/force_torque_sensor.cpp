@@ -35,8 +35,7 @@ class ForceTorque final : public Sensor {
     if (joint_ >= frame.joint_reactions.size()) {
       return fail("the backend does not report joint reactions");
     }
-    const Quat q_WC =
-        child_ == kWorld ? Quat(1, 0, 0, 0) : frame.state.poses[static_cast<std::size_t>(child_)].q;
+    const Quat q_WC = child_ == kWorld ? Quat(1, 0, 0, 0) : frame.state.poses[child_].q;
     const Quat q_MW = (q_WC * q_CM_).conjugate();
     put(reading.values, 0, q_MW * frame.joint_reactions[joint_].force);
     put(reading.values, 3, q_MW * frame.joint_reactions[joint_].torque);

@@ -20,8 +20,8 @@ Color FrameSensorContext::surface_color(const RayHit& hit) {
   if (!hit || hit.shape < 0) return {};
   const SceneModel& model = *frame_->model;
   const auto index = static_cast<std::size_t>(hit.body);
-  const Shape& shape = model.bodies[index].shapes[static_cast<std::size_t>(hit.shape)];
-  const Material& material = model.materials[static_cast<std::size_t>(shape.material)];
+  const Shape& shape = model.bodies[index].shapes[hit.shape];
+  const Material& material = model.materials[shape.material];
   const auto texture = textures_.texture(material);
   if (!texture) return material.color;
   const Pose X_SW = (frame_->state.poses[index] * shape.X_BS).inverse();

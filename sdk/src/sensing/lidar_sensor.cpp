@@ -113,7 +113,7 @@ Result<std::vector<Vec3>> lidar_directions(const Parameters& parameters) {
     return angle * (static_cast<double>(i) / static_cast<double>(open ? count : count - 1) - 0.5);
   };
   std::vector<Vec3> directions;
-  directions.reserve(static_cast<std::size_t>(rays * rings));
+  directions.reserve(rays * rings);
   for (std::int64_t ring = 0; ring < rings; ++ring) {
     const double up = spread(ring, rings, height, false);
     for (std::int64_t i = 0; i < rays; ++i) {

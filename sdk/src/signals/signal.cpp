@@ -34,7 +34,7 @@ ChannelLookup built_in_channels(const SceneModel& model) {
     if (const auto it = known->find(sensor); it != known->end())
       return it->second.empty() ? nullptr : &it->second;
     std::vector<Channel>& channels = (*known)[sensor];
-    const SensorModel& given = model.sensors[static_cast<std::size_t>(sensor)];
+    const SensorModel& given = model.sensors[sensor];
     for (const PluginDescriptor& descriptor : built_in_sensors()) {
       if (descriptor.name != given.type) continue;
       const auto parameters = complete_parameters(descriptor.parameters, given.parameters);

@@ -139,7 +139,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     }
   }
   for (const BuriedCamera& buried : buried_cameras(impl->model())) {
-    const SensorModel& sensor = impl->model().sensors[static_cast<std::size_t>(buried.sensor)];
+    const SensorModel& sensor = impl->model().sensors[buried.sensor];
     const Error& error = buried.error;
     found.push_back(diagnose(impl->model(), sensor.origin, error.message, error.code, error.hint));
   }

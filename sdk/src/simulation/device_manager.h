@@ -38,7 +38,7 @@ class DeviceManager {
   /// Switches off the sensors of removed elements; `free` also releases their memory.
   void drop_removed(bool free);
 
-  const MotorState& motor(int motor) const { return motors_[static_cast<std::size_t>(motor)]; }
+  const MotorState& motor(int motor) const { return motors_[motor]; }
   const std::vector<MotorState>& motors() const { return motors_; }
   /// Sets a target within the limits of the motor, which no longer follows a signal. Precondition:
   /// finite.

@@ -11,7 +11,7 @@ namespace cogrsim {
 namespace {
 
 const JointAxis* axis_of(const SceneModel& model, const Motor& motor) {
-  const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];
+  const Joint& joint = model.joints[motor.joint];
   const auto axis = static_cast<std::size_t>(motor.axis);
   return axis < joint.axes.size() ? &joint.axes[axis] : nullptr;
 }
@@ -82,7 +82,7 @@ Drive dc_drive(const Motor& motor, double voltage, double max_effort) {
 
 MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
   MotorState state;
-  const Joint& joint = model.joints[static_cast<std::size_t>(motor.joint)];
+  const Joint& joint = model.joints[motor.joint];
   const auto axis = static_cast<std::size_t>(motor.axis);
   const bool holds = motor.mode == MotorMode::position || motor.mode == MotorMode::servo;
   const double start = holds && axis < joint.position.size() ? joint.position[axis] : 0.0;
@@ -99,8 +99,7 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
     if (motor.removed) continue;
     const double max_effort = motor_max_effort(model, motor);
     const double max_speed = motor_max_speed(model, motor);
-    const double q =
-        state.joint_positions[static_cast<std::size_t>(motor_position_index(model, motor))];
+    const double q = state.joint_positions[motor_position_index(model, motor)];
     const double target = motors[i].target;
     const JointAxis* axis = axis_of(model, motor);
     switch (motor.mode) {

@@ -147,8 +147,7 @@ RunStatus Simulation::Impl::step() {
   cached.reset();
   if (result.status == StepStatus::diverged) {
     status = RunStatus::diverged;
-    const std::string body =
-        result.body >= 0 ? model().bodies[static_cast<std::size_t>(result.body)].name : "";
+    const std::string body = result.body >= 0 ? model().bodies[result.body].name : "";
     // Some engines already name the body in their message.
     const bool named = body.empty() || result.message.find("'" + body + "'") != std::string::npos;
     log.report(Severity::error, body.empty() ? "physics" : body,

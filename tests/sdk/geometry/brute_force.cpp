@@ -18,7 +18,7 @@ Extent extent_of(const std::vector<Vec3>& points) {
 
 Extent extent_of(const SceneModel& model, const Shape& shape, const Pose& X_WS) {
   if (shape.type == ShapeType::convex_mesh) {
-    std::vector<Vec3> points = model.meshes[static_cast<std::size_t>(shape.mesh)]->vertices;
+    std::vector<Vec3> points = model.meshes[shape.mesh]->vertices;
     for (Vec3& p : points) p = X_WS * p;
     return extent_of(points);
   }
@@ -52,7 +52,7 @@ double least_overlap(const Extent& a, const Extent& b, int count) {
                     [](const Try& p, const Try& q) { return p.overlap < q.overlap; });
   double least = tries.front().overlap;
   for (std::ptrdiff_t i = 0; i < kImproved; ++i) {
-    Try best = tries[static_cast<std::size_t>(i)];
+    Try best = tries[i];
     double turn = 0.0;  // a different one each time: a valley may lie between eight directions
     for (double step = 0.05; step > 1e-7; turn += 1.0) {
       const Vec3 x = best.n.unitOrthogonal(), y = best.n.cross(x);

@@ -201,7 +201,7 @@ TEST_CASE("the penetration in a mesh is that of the deepest triangle") {
       double tried = 0.0;
       for (const Eigen::Vector3i& t : mesh.triangles) {
         std::vector<Vec3> corners;
-        for (const int i : t) corners.push_back(X_WG * mesh.vertices[static_cast<std::size_t>(i)]);
+        for (const int i : t) corners.push_back(X_WG * mesh.vertices[i]);
         tried = std::max(tried, least_overlap(extent_of(corners), S));
       }
       INFO(kind << ", trial " << trial);

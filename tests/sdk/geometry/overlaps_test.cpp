@@ -32,7 +32,7 @@ TEST_CASE("the tree of boxes loses no pair of a heap") {
     for (int k = 0; k <= i % 2; ++k) {
       Shape shape = convex_shape(kind, random, builder.model);
       shape.X_BS = random_pose(random, 0.3);
-      builder.model.bodies[static_cast<std::size_t>(body)].shapes.push_back(shape);
+      builder.model.bodies[body].shapes.push_back(shape);
     }
     if (i % 7 == 0) builder.model.bodies.back().kind = BodyKind::fixed;
   }
@@ -43,8 +43,8 @@ TEST_CASE("the tree of boxes loses no pair of a heap") {
   for (int a = 0; a < static_cast<int>(model->bodies.size()); ++a)
     for (int b = a + 1; b < static_cast<int>(model->bodies.size()); ++b) {
       if (!filter.collide(a, b)) continue;
-      const Body& A = model->bodies[static_cast<std::size_t>(a)];
-      const Body& B = model->bodies[static_cast<std::size_t>(b)];
+      const Body& A = model->bodies[a];
+      const Body& B = model->bodies[b];
       for (const Shape& s : A.shapes)
         for (const Shape& t : B.shapes) {
           const double depth =

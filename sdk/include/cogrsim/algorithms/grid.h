@@ -73,7 +73,7 @@ class COGRSIM_API Grid {
   Cell cell(int index) const { return {index / columns_, index % columns_}; }
 
   /// Cost of a cell. Precondition: contains(cell).
-  double cost(const Cell& cell) const { return cells_[static_cast<std::size_t>(index(cell))]; }
+  double cost(const Cell& cell) const { return cells_[index(cell)]; }
   /// Cost of an edge. Precondition: contains(edge.cell).
   double cost(const GridEdge& edge) const;
 
@@ -105,12 +105,8 @@ class COGRSIM_API Grid {
 
  private:
   double& edge_at(const GridEdge& edge);
-  double vertical(int row, int line) const {
-    return vertical_[static_cast<std::size_t>(row * (columns_ + 1) + line)];
-  }
-  double horizontal(int line, int column) const {
-    return horizontal_[static_cast<std::size_t>(line * columns_ + column)];
-  }
+  double vertical(int row, int line) const { return vertical_[row * (columns_ + 1) + line]; }
+  double horizontal(int line, int column) const { return horizontal_[line * columns_ + column]; }
 
   int rows_ = 0, columns_ = 0;
   GridMoves moves_ = GridMoves::four;

@@ -18,7 +18,7 @@ inline Bounds bounds_of(const Triangle& triangle) {
 
 inline Triangle triangle(const TriangleMesh& mesh, std::size_t index) {
   const Eigen::Vector3i& t = mesh.triangles[index];
-  const auto vertex = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
+  const auto vertex = [&](int i) { return mesh.vertices[i]; };
   return {vertex(t[0]), vertex(t[1]), vertex(t[2])};
 }
 
@@ -63,8 +63,8 @@ template <class Use>
 void for_triangles(const SceneModel& model, const Shape& shape, const Bounds& where,
                    const Use& use) {
   if (shape.type == ShapeType::heightmap)
-    return for_triangles(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)], where, use);
-  const TriangleMesh& mesh = *model.meshes[static_cast<std::size_t>(shape.mesh)];
+    return for_triangles(*model.heightmaps[shape.heightmap], where, use);
+  const TriangleMesh& mesh = *model.meshes[shape.mesh];
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) use(triangle(mesh, i));
 }
 

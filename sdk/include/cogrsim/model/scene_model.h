@@ -418,13 +418,9 @@ struct MazeModel {
   SourceSpan origin;
 
   // The boundary of a cell on one side: kOpen, kWall or a door. Indices are not checked.
-  int west(int row, int column) const {
-    return vertical[static_cast<std::size_t>(row * (columns + 1) + column)];
-  }
+  int west(int row, int column) const { return vertical[row * (columns + 1) + column]; }
   int east(int row, int column) const { return west(row, column + 1); }
-  int south(int row, int column) const {
-    return horizontal[static_cast<std::size_t>(row * columns + column)];
-  }
+  int south(int row, int column) const { return horizontal[row * columns + column]; }
   int north(int row, int column) const { return south(row + 1, column); }
   /// Centre of the floor of a cell, in the maze frame M [m].
   Vec3 centre(int row, int column) const {

@@ -23,10 +23,9 @@ inline constexpr std::array kShapeTypes = {
     ShapeType::box,   ShapeType::sphere,      ShapeType::cylinder, ShapeType::capsule,
     ShapeType::plane, ShapeType::convex_mesh, ShapeType::mesh,     ShapeType::heightmap};
 inline constexpr std::array kJointTypes = {
-    JointType::fixed,  JointType::hinge,       JointType::slider,
-    JointType::screw,  JointType::cylindrical, JointType::universal,
-    JointType::planar, JointType::ball,        JointType::free,
-    JointType::gimbal};
+    JointType::fixed,       JointType::hinge,     JointType::slider, JointType::screw,
+    JointType::cylindrical, JointType::universal, JointType::planar, JointType::ball,
+    JointType::free,        JointType::gimbal};
 inline constexpr std::array kMotorModes = {MotorMode::velocity, MotorMode::torque,
                                            MotorMode::position, MotorMode::servo, MotorMode::dc};
 
@@ -77,7 +76,7 @@ inline void set_joint_features(Capabilities& out) {
 /// axis to drive, with the source location. No capability covers this case.
 inline Result<> check_motors(const SceneModel& model) {
   for (const Motor& motor : model.motors) {
-    const JointType type = model.joints[static_cast<std::size_t>(motor.joint)].type;
+    const JointType type = model.joints[motor.joint].type;
     if (motor.removed ||
         (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
       continue;
@@ -159,7 +158,7 @@ inline Result<> check_kinematic_twist(const SceneModel& model, int body, const T
   if (body < 0 || body >= static_cast<int>(model.bodies.size())) {
     return fail("there is no body " + std::to_string(body));
   }
-  const Body& moved = model.bodies[static_cast<std::size_t>(body)];
+  const Body& moved = model.bodies[body];
   if (moved.kind != BodyKind::kinematic || moved.removed) {
     return fail("body '" + moved.name + "' is not kinematic", source_position(model, moved.origin));
   }

@@ -105,8 +105,7 @@ inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneM
     out.kinds.push_back(static_cast<int>(b));
   }
   const auto there = [&](int body, const std::vector<Body>& of) {
-    return body == kWorld || (body >= 0 && body < static_cast<int>(of.size()) &&
-                              !of[static_cast<std::size_t>(body)].removed);
+    return body == kWorld || (body >= 0 && body < static_cast<int>(of.size()) && !of[body].removed);
   };
   for (std::size_t j = 0; j < next.joints.size(); ++j) {
     const Joint& is = next.joints[j];
@@ -170,7 +169,7 @@ template <class PoseOf>
 Result<> check_attachments(const SceneModel& next, const SceneChange& change,
                            const PoseOf& pose_of) {
   for (const int j : change.attached) {
-    const Joint& joint = next.joints[static_cast<std::size_t>(j)];
+    const Joint& joint = next.joints[j];
     auto fits = check_attachment(joint, pose_of(joint.parent), pose_of(joint.child));
     if (!fits) return fits;
   }

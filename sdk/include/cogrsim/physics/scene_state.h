@@ -18,8 +18,8 @@ inline WorldState initial_state(const SceneModel& model) {
     out.poses.push_back(body.X_WB);
     out.twists.push_back(body.V_WB);
   }
-  out.joint_positions.resize(static_cast<std::size_t>(model.joint_positions));
-  out.joint_velocities.resize(static_cast<std::size_t>(model.joint_speeds));
+  out.joint_positions.resize(model.joint_positions);
+  out.joint_velocities.resize(model.joint_speeds);
   for (const Joint& joint : model.joints) {
     std::copy(joint.position.begin(), joint.position.end(),
               out.joint_positions.begin() + joint.position_offset);
@@ -51,12 +51,8 @@ inline bool comes_before(const Contact& a, const Contact& b) {
 /// Coordinates `q` and speeds `u` of a joint from the motions of its two bodies in `state`. `q` holds
 /// earlier coordinates: full turns and the signs of quaternions remain nearest to them.
 inline void read_joint(const Joint& joint, const WorldState& state, double* q, double* u) {
-  const auto pose = [&](int b) {
-    return b == kWorld ? Pose() : state.poses[static_cast<std::size_t>(b)];
-  };
-  const auto twist = [&](int b) {
-    return b == kWorld ? Twist() : state.twists[static_cast<std::size_t>(b)];
-  };
+  const auto pose = [&](int b) { return b == kWorld ? Pose() : state.poses[b]; };
+  const auto twist = [&](int b) { return b == kWorld ? Twist() : state.twists[b]; };
   const Pose X_WP = pose(joint.parent), X_WC = pose(joint.child);
   const Pose X_FM = relative_pose(joint, X_WP, X_WC);
   const std::vector<double> before(q, q + position_count(joint.type));
@@ -80,7 +76,7 @@ struct StepReport {
   /// For the next scene: nothing remains of what has been removed.
   void carry_over(const SceneModel& next) {
     resize(next);
-    const auto is_removed = [&](int b) { return next.bodies[static_cast<std::size_t>(b)].removed; };
+    const auto is_removed = [&](int b) { return next.bodies[b].removed; };
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
                                   [&](const Contact& contact) {
                                     return is_removed(contact.body_a) || is_removed(contact.body_b);
@@ -99,7 +95,7 @@ struct StepReport {
 
  private:
   void resize(const SceneModel& model) {
-    joint_efforts.resize(static_cast<std::size_t>(model.joint_speeds));
+    joint_efforts.resize(model.joint_speeds);
     motor_efforts.resize(model.motors.size());
     reactions.resize(model.joints.size());
   }
@@ -113,8 +109,8 @@ inline void place_across(const Joint& joint, bool forward, WorldState& state) {
   const int from = forward ? joint.parent : joint.child;
   const auto to = static_cast<std::size_t>(forward ? joint.child : joint.parent);
   const bool of_world = from == kWorld;
-  const Pose X_from = of_world ? Pose() : state.poses[static_cast<std::size_t>(from)];
-  const Twist V_from = of_world ? Twist() : state.twists[static_cast<std::size_t>(from)];
+  const Pose X_from = of_world ? Pose() : state.poses[from];
+  const Twist V_from = of_world ? Twist() : state.twists[from];
   const double* const q = state.joint_positions.data() + joint.position_offset;
   const double* const u = state.joint_velocities.data() + joint.speed_offset;
   const Twist V_FM = joint_twist(joint, q, u);
@@ -152,7 +148,7 @@ inline JointTrees joint_trees(const SceneModel& model) {
   for (const Body& body : model.bodies) {
     placed.push_back(body.removed || body.kind != BodyKind::dynamic);
   }
-  const auto is_placed = [&](int b) { return b == kWorld || placed[static_cast<std::size_t>(b)]; };
+  const auto is_placed = [&](int b) { return b == kWorld || placed[b]; };
   for (std::size_t start = 0; start <= placed.size(); ++start) {
     for (bool found = true; found;) {
       found = false;
@@ -161,7 +157,7 @@ inline JointTrees joint_trees(const SceneModel& model) {
         const bool forward = is_placed(joint.parent);
         if (joint.removed || joint.closes_loop || forward == is_placed(joint.child)) continue;
         out.joints.push_back({static_cast<int>(j), forward});
-        placed[static_cast<std::size_t>(forward ? joint.child : joint.parent)] = 1;
+        placed[forward ? joint.child : joint.parent] = 1;
         found = true;
       }
     }
@@ -176,7 +172,7 @@ inline JointTrees joint_trees(const SceneModel& model) {
 /// `state`, and from the motions of the bodies where the trees start.
 inline void place_by_joints(const SceneModel& model, WorldState& state) {
   for (const TreeJoint& t : joint_trees(model).joints)
-    detail::place_across(model.joints[static_cast<std::size_t>(t.joint)], t.forward, state);
+    detail::place_across(model.joints[t.joint], t.forward, state);
 }
 
 }  // namespace cogrsim

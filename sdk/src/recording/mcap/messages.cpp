@@ -287,7 +287,7 @@ Result<> check_frame(const FrameRecord& record, const SceneModel& model) {
               record.new_events <= record.events;
   const auto is_shape = [&](int body, int shape) {
     return body >= 0 && body < static_cast<int>(model.bodies.size()) && shape >= -1 &&
-           shape < static_cast<int>(model.bodies[static_cast<std::size_t>(body)].shapes.size());
+           shape < static_cast<int>(model.bodies[body].shapes.size());
   };
   for (const Contact& c : frame.contacts) {
     good = good && is_shape(c.body_a, c.shape_a) && is_shape(c.body_b, c.shape_b);

@@ -99,7 +99,7 @@ void put_mesh(pbf_writer& entity, const Shape& shape, const TriangleMesh& mesh,
 }
 
 void put_shape(pbf_writer& entity, const SceneModel& model, const Shape& shape) {
-  const Color& color = model.materials[static_cast<std::size_t>(shape.material)].color;
+  const Color& color = model.materials[shape.material].color;
   const double d = 2.0 * shape.radius;
   switch (shape.type) {
     case ShapeType::box:
@@ -127,12 +127,10 @@ void put_shape(pbf_writer& entity, const SceneModel& model, const Shape& shape) 
     }
     case ShapeType::convex_mesh:
     case ShapeType::mesh:
-      put_mesh(entity, shape, *model.meshes[static_cast<std::size_t>(shape.mesh)], color);
+      put_mesh(entity, shape, *model.meshes[shape.mesh], color);
       break;
     case ShapeType::heightmap:
-      put_mesh(entity, shape,
-               geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]),
-               color);
+      put_mesh(entity, shape, geometry::triangles_of(*model.heightmaps[shape.heightmap]), color);
       break;
   }
 }
@@ -153,8 +151,7 @@ void put_transforms(std::string& bytes, const Frame& frame, std::uint64_t time) 
   }
   for (const SensorModel& sensor : model.sensors) {
     if (sensor.removed) continue;
-    const std::string& parent =
-        sensor.body == kWorld ? "world" : model.bodies[static_cast<std::size_t>(sensor.body)].name;
+    const std::string& parent = sensor.body == kWorld ? "world" : model.bodies[sensor.body].name;
     put_transform(out, time, parent, sensor.name, sensor.X_BS);
     if (sensor.type != "camera") continue;
     put_transform(out, time, sensor.name, sensor.name + "/optical",

@@ -71,8 +71,8 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
     SceneModelPtr scene, int count, const BatchOptions& options,
     std::shared_ptr<PluginLoader> loader) {
   if (count < 1) return refuse("at least one world is needed, not " + std::to_string(count));
-  return create(std::vector<SceneModelPtr>(static_cast<std::size_t>(count), scene),
-                options, std::move(loader));
+  return create(std::vector<SceneModelPtr>(static_cast<std::size_t>(count), scene), options,
+                std::move(loader));
 }
 
 tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
@@ -241,19 +241,11 @@ void Batch::reset_all() {
 }
 
 const std::string& Batch::end_message(int world) const {
-  return impl_->worlds.at(static_cast<std::size_t>(world)).end_message();
+  return impl_->worlds.at(world).end_message();
 }
-std::uint64_t Batch::seed(int world) const {
-  return impl_->worlds.at(static_cast<std::size_t>(world)).seed();
-}
-std::uint64_t Batch::episode(int world) const {
-  return impl_->worlds.at(static_cast<std::size_t>(world)).episode();
-}
-Simulation& Batch::world(int world) {
-  return impl_->worlds.at(static_cast<std::size_t>(world)).simulation();
-}
-const Simulation& Batch::world(int world) const {
-  return impl_->worlds.at(static_cast<std::size_t>(world)).simulation();
-}
+std::uint64_t Batch::seed(int world) const { return impl_->worlds.at(world).seed(); }
+std::uint64_t Batch::episode(int world) const { return impl_->worlds.at(world).episode(); }
+Simulation& Batch::world(int world) { return impl_->worlds.at(world).simulation(); }
+const Simulation& Batch::world(int world) const { return impl_->worlds.at(world).simulation(); }
 
 }  // namespace cogrsim

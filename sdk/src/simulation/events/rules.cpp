@@ -16,9 +16,9 @@ std::string circle(const SceneModel& model, const Causes& causes, int rule) {
   std::string out;
   const auto last = std::find(causes.rbegin(), causes.rend(), rule);
   for (auto it = last.base() - 1; it != causes.end(); ++it) {
-    out += "'" + model.rules[static_cast<std::size_t>(*it)].name + "' -> ";
+    out += "'" + model.rules[*it].name + "' -> ";
   }
-  return out + "'" + model.rules[static_cast<std::size_t>(rule)].name + "'";
+  return out + "'" + model.rules[rule].name + "'";
 }
 
 // Moves the entries that are due at `now` [s] to `taken`, in their order.

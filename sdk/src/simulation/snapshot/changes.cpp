@@ -42,9 +42,7 @@ class Renumbering {
       to_.push_back(same ? static_cast<int>(i) : found == by_name.end() ? kMissing : found->second);
     }
   }
-  int operator()(int then) const {
-    return then < 0 ? then : to_.at(static_cast<std::size_t>(then));
-  }
+  int operator()(int then) const { return then < 0 ? then : to_.at(then); }
 
  private:
   std::vector<int> to_;
@@ -245,7 +243,7 @@ class Rebuilder {
   bool never_moved(const Body& now, const Pose& then) const {
     const int index = find_body(original_, now.name);
     if (now.kind != BodyKind::fixed || index < 0) return false;
-    const Body& before = original_.bodies[static_cast<std::size_t>(index)];
+    const Body& before = original_.bodies[index];
     constexpr double kRounding = 1e-9;  // [m], [rad]: conversion to engine coordinates and back
     return before.kind == BodyKind::fixed && (before.X_WB.p - then.p).norm() < kRounding &&
            before.X_WB.q.angularDistance(then.q) < kRounding;
