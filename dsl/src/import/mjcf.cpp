@@ -23,6 +23,13 @@ RobotModel MjcfReader::read(XmlElement& root) {
     if (e->name != "worldbody") note_joints(*e, 0);
   for (const auto& e : root.children)
     if (e->name == "worldbody") world(*e);
+  for (const auto& e : root.children)
+    if (e->name == "tendon")
+      for (const auto& c : e->children) tendon(*c);
+  for (const auto& e : root.children)
+    if (e->name == "equality")
+      for (const auto& c : e->children) equality(*c);
+  for (Tendon& t : tendons_) tendon_passive(t);
   for (const auto& e : root.children) section(*e);
   if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the model has no body");
   contacts();
@@ -108,8 +115,6 @@ void MjcfReader::option(const XmlElement& e) {
 void MjcfReader::section(const XmlElement& e) {
   if (e.name == "actuator") {
     for (const auto& c : e.children) actuator(*c);
-  } else if (e.name == "equality") {
-    for (const auto& c : e.children) equality(*c);
   } else if (e.name == "contact") {
     for (const auto& c : e.children) {
       const std::string *a = c->find("body1"), *b = c->find("body2");
@@ -125,11 +130,9 @@ void MjcfReader::section(const XmlElement& e) {
   } else if (e.name == "keyframe") {
     for (const auto& c : e.children)
       context_.left_out(c->at, quoted_name(*c), "the robot starts at its zero");
-  } else if (e.name == "tendon") {
-    for (const auto& c : e.children)
-      context_.left_out(c->at, quoted_name(*c), "the scene language has no tendons");
   } else if (e.name != "compiler" && e.name != "option" && e.name != "default" &&
-             e.name != "asset" && e.name != "worldbody") {
+             e.name != "asset" && e.name != "worldbody" && e.name != "tendon" &&
+             e.name != "equality") {
     static const std::set<std::string> kSettings = {"size", "visual", "statistic", "custom",
                                                     "extension"};
     context_.left_out(e.at, fmt::format("<{}>", e.name),

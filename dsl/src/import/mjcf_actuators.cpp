@@ -9,106 +9,191 @@
 
 namespace cogrsim::dsl::import {
 
-void MjcfReader::actuator(const XmlElement& source) {
-  const XmlElement e = with_defaults(source, "");
-  const std::string* of = e.find("joint");
-  const int joint = of == nullptr ? -1 : robot_.joint(*of);
-  if (joint < 0) {
-    context_.left_out(source.at, quoted_name(source),
-                      of == nullptr ? "drives no joint but a tendon, a site or a body"
-                                    : fmt::format("there is no joint '{}'", *of));
-    return;
-  }
-  RobotDrive out;
-  out.name = name_of(source, "motor");
-  out.joint = *of;
-  out.at = source.at;
-  double gear = 1.0;
-  if (const std::string* text = e.find("gear")) {
-    const auto v = context_.numbers(source, *text, 1, 6, "'gear'");
-    if (v && !v->empty()) gear = (*v)[0];
-  }
-  double force = std::numeric_limits<double>::infinity();
-  if (const std::string* text = e.find("forcerange")) {
-    const auto v = context_.numbers(source, *text, 2, 2, "'forcerange'");
-    if (v) force = std::max(std::abs((*v)[0]), std::abs((*v)[1]));
-  }
-  double control = std::numeric_limits<double>::infinity();
-  if (const std::string* text = e.find("ctrlrange")) {
-    const auto v = context_.numbers(source, *text, 2, 2, "'ctrlrange'");
-    if (v) control = std::max(std::abs((*v)[0]), std::abs((*v)[1]));
-  }
-  const auto prm = [&](const char* name, std::size_t i, double otherwise) {
-    const std::string* text = e.find(name);
-    if (text == nullptr) return otherwise;
-    const auto v = context_.numbers(source, *text, 0, 10, fmt::format("'{}'", name));
-    return v && i < v->size() ? (*v)[i] : otherwise;
-  };
-  double kp = 0.0, kd = 0.0;
-  std::string note;
-  if (source.name == "motor") {
-    out.mode = RobotDrive::Mode::torque;
-    out.max_effort = std::min(force, control) * std::abs(gear);
-    if (gear < 0.0) note = "its sign is turned: gear is negative";
-  } else if (source.name == "position") {
-    kp = context_.number(e, "kp", 1.0);
-    kd = context_.number(e, "kv", 0.0);
-  } else if (source.name == "velocity") {
-    out.mode = RobotDrive::Mode::velocity;
-    out.max_effort = force * std::abs(gear);
-    note = "reaches its speed at once within its force, where MuJoCo's has the gain kv";
-  } else if (source.name == "general") {
-    const double gain = prm("gainprm", 0, 1.0);
-    const std::string* bias = e.find("biastype");
-    if (bias != nullptr && *bias == "affine" && prm("biasprm", 1, 0.0) < 0.0) {
-      kp = gain;
-      kd = -prm("biasprm", 2, 0.0);
-      if (std::abs(prm("biasprm", 1, 0.0) + gain) > 1e-9 * std::abs(gain))
-        note = "gain and bias differ: the gain is taken";
-    } else if (bias == nullptr || *bias == "none") {
-      out.mode = RobotDrive::Mode::torque;
-      out.max_effort = std::min(force, control * std::abs(gain)) * std::abs(gear);
+double MjcfReader::parameter(const XmlElement& e, const char* name, std::size_t i,
+                             double otherwise) {
+  const std::string* text = e.find(name);
+  if (text == nullptr) return otherwise;
+  const auto v = context_.numbers(e, *text, 0, 10, fmt::format("'{}'", name));
+  return v && i < v->size() ? (*v)[i] : otherwise;
+}
+
+double MjcfReader::largest(const XmlElement& e, const char* range) {
+  if (e.find(range) == nullptr) return std::numeric_limits<double>::infinity();
+  return std::max(std::abs(parameter(e, range, 0, 0.0)), std::abs(parameter(e, range, 1, 0.0)));
+}
+
+std::optional<MjcfReader::Transmission> MjcfReader::actuator_joints(const XmlElement& source,
+                                                                    const XmlElement& e) {
+  Transmission out;
+  const std::string *of = e.find("joint"), *tendon = e.find("tendon");
+  const auto fixed = tendon == nullptr ? tendon_indices_.end() : tendon_indices_.find(*tendon);
+  std::string why;
+  if (of != nullptr) {
+    const int joint = joint_index(*of);
+    if (joint >= 0) {
+      out.joints = {{joint, 1.0}};
+      out.at_zero = ref(joint);
     } else {
-      context_.left_out(source.at, quoted_name(source), "its law is none that a motor has");
-      return;
+      why = fmt::format("there is no joint '{}'", *of);
     }
+  } else if (fixed != tendon_indices_.end()) {
+    const auto& sum = tendons_[fixed->second].sum;
+    if (sum) out = *sum;
+    if (out.joints.empty()) why = "moves no joint";
   } else {
+    why = tendon == nullptr ? "drives no joint but a site or a body"
+                            : "pulls a tendon in space, and a scene's drives are on joints";
+  }
+  if (why.empty()) return out;
+  context_.left_out(source.at, quoted_name(source), why);
+  return std::nullopt;
+}
+
+std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement& source,
+                                                                const XmlElement& e) {
+  using Mode = RobotDrive::Mode;
+  constexpr const char* kAtOnce =
+      "reaches its speed at once within its force, where MuJoCo's has "
+      "the gain kv";
+  ActuatorLaw out;
+  if (source.name == "position") {
+    out.mode = Mode::position;
+    out.gain = context_.number(e, "kp", 1.0);
+    out.b1 = -out.gain;
+    out.b2 = -context_.number(e, "kv", 0.0);
+    if (e.find("dampratio") != nullptr) out.note = "dampratio is not taken over: it has no damping";
+  } else if (source.name == "velocity") {
+    out.mode = Mode::velocity;
+    out.note = kAtOnce;
+  } else if (source.name == "general") {
+    out.gain = parameter(e, "gainprm", 0, 1.0);
+    const std::string *bias = e.find("biastype"), *gain = e.find("gaintype");
+    const bool affine = bias != nullptr && *bias == "affine";
+    if (affine) {
+      out.b0 = parameter(e, "biasprm", 0, 0.0);
+      out.b1 = parameter(e, "biasprm", 1, 0.0);
+      out.b2 = parameter(e, "biasprm", 2, 0.0);
+    }
+    const bool speed = out.b0 == 0.0 && out.b1 == 0.0 && out.b2 < 0.0 &&
+                       std::abs(out.gain + out.b2) <= 1e-9 * std::abs(out.gain);
+    if (out.b1 < 0.0 && out.b2 <= 0.0) {
+      out.mode = Mode::position;
+    } else if (speed) {
+      out.mode = Mode::velocity;
+      out.gain = 1.0;
+      out.note = kAtOnce;
+    } else if (out.b0 != 0.0 || out.b1 != 0.0 || out.b2 != 0.0 ||
+               (bias != nullptr && !affine && *bias != "none") ||
+               (gain != nullptr && *gain != "fixed")) {
+      context_.left_out(source.at, quoted_name(source), "its law is none that a motor has");
+      return std::nullopt;
+    }
+  } else if (source.name != "motor") {
     context_.left_out(source.at, quoted_name(source),
                       fmt::format("there is no drive like <{}>", source.name));
+    return std::nullopt;
+  }
+  const std::string* dynamics = e.find("dyntype");
+  const double delay = context_.number(e, "timeconst", 0.0);
+  if ((dynamics != nullptr && *dynamics != "none") || delay > 0.0)
+    out.note += std::string(out.note.empty() ? "" : "; ") + "acts without the delay of MuJoCo's";
+  return out;
+}
+
+void MjcfReader::actuator(const XmlElement& source) {
+  using Mode = RobotDrive::Mode;
+  const XmlElement e = with_defaults(source, "");
+  const auto acts = actuator_joints(source, e);
+  if (!acts) return;
+  const auto law = actuator_law(source, e);
+  if (!law) return;
+  const double gear = parameter(e, "gear", 0, 1.0);
+  const double force = largest(e, "forcerange"), control = largest(e, "ctrlrange");
+  const bool several = acts->joints.size() > 1;
+  if (several && law->mode != Mode::torque) {
+    context_.left_out(source.at, quoted_name(source),
+                      fmt::format("holds a sum of {} joints that move freely of each other, which "
+                                  "no drive of a scene does",
+                                  acts->joints.size()));
     return;
   }
-  if (kp > 0.0) {
-    out.mode = RobotDrive::Mode::position;
-    out.kp = kp * gear * gear;
-    out.kd = kd * gear * gear;
-    out.max_effort = force * std::abs(gear);
+  const std::string name = name_of(source, "motor");
+  std::string note = law->note, meaning;
+  const auto means = [&](const std::string& text) {
+    meaning += (meaning.empty() ? "" : "; ") + text;
+  };
+  for (const auto& [joint, coef] : acts->joints) {
+    RobotDrive out;
+    out.joint = joint_at(joint).name;
+    out.name = several ? fmt::format("{}_{}", name, out.joint) : name;
+    out.at = source.at;
+    out.mode = law->mode;
+    out.followers = acts->followers;
+    // The actuator's length changes by s per coordinate of the joint.
+    const double s = gear * coef;
+    if (s == 0.0) continue;
+    out.max_effort = force * std::abs(s);
+    if (law->mode == Mode::torque)
+      out.max_effort = std::min(force, control * std::abs(law->gain)) * std::abs(s);
+    out.kp = -law->b1 * s * s;
+    out.kd = -law->b2 * s * s;
+    // What its control u is for the joint: the effort, speed or target scale u + offset.
+    double scale = law->gain * s, offset = 0.0;
+    if (law->mode == Mode::velocity) scale = 1.0 / s;
+    if (law->mode == Mode::position) {
+      scale = law->gain / -law->b1 / s;
+      offset = law->b0 / -law->b1 / s - acts->at_zero / coef;
+    }
+    if (several || std::abs(scale - 1.0) > 1e-9 || std::abs(offset) > 1e-12)
+      means(fmt::format(
+          "its control u is {:.6g} u{} at joint '{}' here", scale,
+          offset == 0.0 ? "" : fmt::format(" {} {:.6g}", offset < 0 ? "-" : "+", std::abs(offset)),
+          out.joint));
+    robot_.drives.push_back(std::move(out));
   }
-  if (note.empty())
-    context_.exact(source.at, quoted_name(source));
+  if (!acts->followers.empty())
+    means(fmt::format("it drives joint '{}', which the others follow",
+                      joint_at(acts->joints.front().first).name));
+  if (several)
+    context_.approximate(
+        source.at, quoted_name(source),
+        fmt::format("is {} motors, one for each joint: {}", acts->joints.size(), meaning));
+  else if (note.empty())
+    context_.exact(source.at, quoted_name(source), meaning);
   else
-    context_.approximate(source.at, quoted_name(source), note);
-  robot_.drives.push_back(std::move(out));
+    context_.approximate(source.at, quoted_name(source),
+                         meaning.empty() ? note : note + "; " + meaning);
+}
+
+std::vector<double> MjcfReader::polynomial(const XmlElement& source, const XmlElement& e) {
+  std::vector<double> out = {0.0, 1.0};
+  if (const std::string* text = e.find("polycoef"))
+    out = context_.numbers(source, *text, 1, 5, "'polycoef'").value_or(out);
+  out.resize(5, 0.0);
+  return out;
 }
 
 void MjcfReader::equality(const XmlElement& source) {
-  const XmlElement e = with_defaults(source, "");
+  const XmlElement e = with_defaults(source, "", "equality");
   if (const std::string* active = e.find("active"); active != nullptr && *active == "false") {
     context_.left_out(source.at, quoted_name(source), "is not active");
     return;
   }
   if (source.name == "joint") {
     const std::string *a = e.find("joint1"), *b = e.find("joint2");
-    const int one = a == nullptr ? -1 : robot_.joint(*a);
-    const int two = b == nullptr ? -1 : robot_.joint(*b);
+    const int one = a == nullptr ? -1 : joint_index(*a);
+    const int two = b == nullptr ? -1 : joint_index(*b);
     if (one < 0 || two < 0) {
       context_.left_out(source.at, quoted_name(source), "needs two joints of the model");
       return;
     }
-    std::vector<double> poly = {0.0, 1.0};
-    if (const std::string* text = e.find("polycoef"))
-      poly = context_.numbers(source, *text, 1, 5, "'polycoef'").value_or(poly);
-    poly.resize(5, 0.0);
-    robot_.joints[static_cast<std::size_t>(one)].coupling = RobotCoupling{*b, poly[1], poly[0]};
+    if (joint_at(one).coupling) {
+      context_.left_out(source.at, quoted_name(source),
+                        fmt::format("joint '{}' follows others already", *a));
+      return;
+    }
+    const std::vector<double> poly = polynomial(source, e);
+    joint_at(one).coupling = RobotCoupling{{{*b, poly[1]}}, poly[0]};
     if (poly[2] != 0.0 || poly[3] != 0.0 || poly[4] != 0.0)
       context_.approximate(source.at, quoted_name(source), "only its linear part is taken");
     else
@@ -135,7 +220,10 @@ void MjcfReader::equality(const XmlElement& source) {
     context_.approximate(source.at, quoted_name(source), "is rigid, where MuJoCo's is soft");
     return;
   }
-  context_.left_out(source.at, quoted_name(source), "constraints of tendons are not read");
+  if (source.name == "tendon")
+    tendon_equality(source, e);
+  else
+    context_.left_out(source.at, quoted_name(source), "is not read");
 }
 
 void MjcfReader::sensor(const XmlElement& e) {

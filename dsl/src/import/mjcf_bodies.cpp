@@ -304,6 +304,7 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
   out.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
   out.rest = coordinate(context_.number(e, "springref", 0.0)) - ref;
   out.rotor_inertia = std::max(0.0, context_.number(e, "armature", 0.0));
+  if (ref != 0.0) refs_[out.name] = ref;
   if (ref != 0.0)
     context_.exact(source.at, fmt::format("ref of joint '{}'", out.name),
                    fmt::format("its zero is MuJoCo's {}", ref));

@@ -61,7 +61,8 @@ void MjcfReader::assets(const XmlElement& e) {
   }
 }
 
-XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& around) {
+XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& around,
+                                     const std::string& as) {
   XmlElement out;
   out.name = e.name;
   out.at = e.at;
@@ -77,7 +78,8 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
     known = classes_.find("main");
   }
   Attributes all;
-  if (const auto of = known->second.find(e.name); of != known->second.end()) all = of->second;
+  if (const auto of = known->second.find(as.empty() ? e.name : as); of != known->second.end())
+    all = of->second;
   for (const auto& [key, value] : e.attributes) {
     if (value.empty())
       all.erase(key);

@@ -40,6 +40,32 @@ class MjcfReader {
     const XmlElement* mesh = nullptr;  ///< a geom among those of `masses`
     bool is_free = false;
   };
+  /// A length that depends on joints, as an actuator or a tendon has it: at_zero + Σ coef q, where no
+  /// joint of the sum follows another.
+  struct Transmission {
+    std::vector<std::pair<int, double>> joints;  ///< index and coef, none 0
+    double at_zero = 0.0;
+    std::vector<std::string> followers;  ///< joints of the sum that follow those
+  };
+  /// Joints and their factors, in the order in which they came.
+  struct JointSum {
+    std::vector<int> order;
+    std::map<int, double> factors, sizes;
+    void add(int joint, double factor);
+    /// Those that are not zero but for rounding.
+    std::vector<std::pair<int, double>> terms() const;
+  };
+  struct Tendon {
+    XmlElement e;                                ///< with its defaults
+    std::vector<std::pair<int, double>> joints;  ///< as written, none 0
+    std::optional<Transmission> sum;             ///< once the couplings are known
+  };
+  /// effort = gain * control + b0 + b1 * length + b2 * speed, or a speed.
+  struct ActuatorLaw {
+    RobotDrive::Mode mode = RobotDrive::Mode::torque;
+    double gain = 1.0, b0 = 0.0, b1 = 0.0, b2 = 0.0;
+    std::string note;  ///< what the drive does not have
+  };
 
   // ---- files
   void include(XmlElement& in, int depth);
@@ -52,7 +78,9 @@ class MjcfReader {
 
   // ---- attributes with defaults
   /// The element with what its class, or the class of the bodies around it, says for it.
-  XmlElement with_defaults(const XmlElement& e, const std::string& around);
+  /// `as`: the kind whose defaults these are, where it is not the element's name.
+  XmlElement with_defaults(const XmlElement& e, const std::string& around,
+                           const std::string& as = {});
   double angle(double value) const { return degrees_ ? value * kPi / 180.0 : value; }
   Quat orientation(const XmlElement& e);
   Pose pose(const XmlElement& e) { return {context_.vec3(e, "pos", Vec3::Zero()), orientation(e)}; }
@@ -95,9 +123,34 @@ class MjcfReader {
   // ---- actuators, equalities, sensors, contacts
   void section(const XmlElement& e);
   void actuator(const XmlElement& source);
+  /// Empty: no drive has such a law, which was reported.
+  std::optional<ActuatorLaw> actuator_law(const XmlElement& source, const XmlElement& e);
+  /// What it acts on. Empty: it acts on no joints, which was reported.
+  std::optional<Transmission> actuator_joints(const XmlElement& source, const XmlElement& e);
+  /// The i-th number of an attribute.
+  double parameter(const XmlElement& e, const char* name, std::size_t i, double otherwise);
+  /// The larger absolute value of a range; infinite where there is none.
+  double largest(const XmlElement& e, const char* range);
   void equality(const XmlElement& source);
+  std::vector<double> polynomial(const XmlElement& source, const XmlElement& e);
   void sensor(const XmlElement& e);
   void contacts();
+
+  // ---- tendons
+  void tendon(const XmlElement& source);
+  void tendon_equality(const XmlElement& source, const XmlElement& e);
+  /// Spring, damping, friction and limits of a fixed tendon.
+  void tendon_passive(Tendon& t);
+  /// The sum without joints that follow others. Empty: they follow in a circle, or too deep.
+  std::optional<Transmission> without_followers(const std::vector<std::pair<int, double>>& joints);
+  bool leads_to(int from, int to);
+  int joint_index(const std::string& name);
+  double ref(int joint) const;
+  bool has_one_axis(int joint) const;
+  RobotJoint& joint_at(int index) { return robot_.joints[static_cast<std::size_t>(index)]; }
+  const RobotJoint& joint_at(int index) const {
+    return robot_.joints[static_cast<std::size_t>(index)];
+  }
 
   Context& context_;
   RobotModel robot_;
@@ -107,6 +160,11 @@ class MjcfReader {
   std::map<std::string, Color> materials_;
   std::map<std::string, std::pair<std::string, Pose>> sites_;  // link and pose
   std::set<std::string> encoders_, at_site_, used_joints_;
+  std::map<std::string, double> refs_;  ///< of joints whose zero is another than MuJoCo's
+  std::map<std::string, int> joint_indices_;
+  std::vector<Tendon> tendons_;  ///< fixed ones
+  std::map<std::string, std::size_t> tendon_indices_;
+  std::size_t steps_left_ = 1'000'000;  ///< of searches among couplings
   std::vector<Bits> bits_;
   bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false;
   std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";

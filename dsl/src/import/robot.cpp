@@ -438,14 +438,18 @@ void make_names(Context& context, RobotModel& robot) {
   for (RobotJoint& j : robot.loops) j.name = make(j.name, "joint", j.at);
   for (RobotJoint& j : robot.joints)
     if (j.coupling) {
-      const auto it = joints.find(j.coupling->joint);
-      if (it == joints.end()) {
-        context.left_out(j.at, fmt::format("coupling of joint '{}'", j.name),
-                         fmt::format("there is no joint '{}' that moves", j.coupling->joint));
-        j.coupling.reset();
-      } else {
-        j.coupling->joint = it->second;
+      std::string missing;
+      for (RobotCoupling::Term& term : j.coupling->terms) {
+        const auto it = joints.find(term.joint);
+        if (it == joints.end())
+          missing = term.joint;
+        else
+          term.joint = it->second;
       }
+      if (missing.empty()) continue;
+      context.left_out(j.at, fmt::format("coupling of joint '{}'", j.name),
+                       fmt::format("there is no joint '{}' that moves", missing));
+      j.coupling.reset();
     }
   for (RobotLink& l : robot.links) {
     for (RobotFrame& f : l.frames) f.name = make(f.name, "frame", l.at);
@@ -457,6 +461,7 @@ void make_names(Context& context, RobotModel& robot) {
   for (RobotDrive& d : robot.drives) {
     d.name = make(d.name, "motor", d.at);
     d.joint = joints[d.joint];
+    for (std::string& name : d.followers) name = joints[name];
   }
   for (auto& [a, b] : robot.no_contact) {
     a = links[a];

@@ -77,10 +77,14 @@ struct RobotLink {
   Source at;
 };
 
-/// q = ratio * q of `joint` + offset.
+/// q = Σ ratio * q of `joint` + offset.
 struct RobotCoupling {
-  std::string joint;
-  double ratio = 1.0, offset = 0.0;
+  struct Term {
+    std::string joint;
+    double ratio = 1.0;
+  };
+  std::vector<Term> terms;
+  double offset = 0.0;
 };
 
 struct RobotJoint {
@@ -111,6 +115,7 @@ struct RobotDrive {
   double kp = 0.0, kd = 0.0;  ///< of a position drive
   double max_effort = std::numeric_limits<double>::infinity();
   std::optional<double> target;
+  std::vector<std::string> followers;  ///< joints that it moves too, by their couplings
   Source at;
 };
 

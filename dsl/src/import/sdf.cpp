@@ -531,8 +531,8 @@ class SdfReader {
     out.rest = value(dynamics, "spring_reference").value_or(0.0);
     if (const XmlElement* mimic = axis.child("mimic")) {
       RobotCoupling c;
-      c.joint = scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint"));
-      c.ratio = value(mimic, "multiplier").value_or(1.0);
+      c.terms = {{scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint")),
+                  value(mimic, "multiplier").value_or(1.0)}};
       c.offset = value(mimic, "offset").value_or(0.0);
       out.coupling = c;
     }

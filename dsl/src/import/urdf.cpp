@@ -347,8 +347,7 @@ class UrdfReader {
       return;
     }
     RobotCoupling coupling;
-    coupling.joint = *of;
-    coupling.ratio = context_.number(m, "multiplier", 1.0);
+    coupling.terms = {{*of, context_.number(m, "multiplier", 1.0)}};
     coupling.offset = context_.number(m, "offset", 0.0);
     out.coupling = coupling;
   }

@@ -9,7 +9,6 @@
 #include <map>
 #include <set>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "import/robot.h"
 #include "syntax/text.h"
@@ -553,36 +552,49 @@ class SceneWriter {
   }
 
   /// Finds which couplings the scene can have, and where they put their joints at the start: a joint
-  /// that others follow before those.
+  /// that others follow before those. What is left over follows a circle.
   void find_couplings() {
     std::unordered_map<std::string, const RobotJoint*> named;
     for (const RobotJoint& j : robot_.joints) named.emplace(j.name, &j);
-    std::unordered_set<const RobotJoint*> seen, circle;
+    std::unordered_map<const RobotJoint*, std::vector<const RobotJoint*>> followers;
+    std::unordered_map<const RobotJoint*, std::size_t> waits_for;
+    std::vector<const RobotJoint*> ready;
     for (const RobotJoint& j : robot_.joints) {
-      std::vector<const RobotJoint*> chain;
-      const RobotJoint* top = &j;
-      for (; top->coupling && seen.insert(top).second; top = named.at(top->coupling->joint)) {
-        chain.push_back(top);
+      if (!j.coupling) {
+        ready.push_back(&j);
+        continue;
       }
-      if (std::find(chain.begin(), chain.end(), top) != chain.end()) circle.insert(top);
-      for (auto follower = chain.rbegin(); follower != chain.rend(); ++follower) {
-        const RobotJoint& other = *named.at((*follower)->coupling->joint);
-        if (circle.count(&other) > 0) circle.insert(*follower);
-        couple(**follower, other, circle.count(*follower) > 0);
-      }
+      for (const RobotCoupling::Term& t : j.coupling->terms)
+        followers[named.at(t.joint)].push_back(&j);
+      waits_for[&j] = j.coupling->terms.size();
     }
+    for (std::size_t i = 0; i < ready.size(); ++i) {
+      if (ready[i]->coupling) couple(*ready[i], named);
+      for (const RobotJoint* const j : followers[ready[i]])
+        if (--waits_for[j] == 0) ready.push_back(j);
+    }
+    for (const RobotJoint& j : robot_.joints)
+      if (waits_for[&j] > 0)
+        uncoupled_[&j] = j.coupling->terms.size() == 1 && j.coupling->terms[0].joint == j.name
+                             ? "it is coupled to itself"
+                             : "the couplings form a circle";
   }
 
-  void couple(const RobotJoint& j, const RobotJoint& other, bool in_circle) {
+  void couple(const RobotJoint& j,
+              const std::unordered_map<std::string, const RobotJoint*>& named) {
     constexpr double kOff = 1e-6;
-    const double start = j.coupling->offset + j.coupling->ratio * start_in_scene(other);
+    double start = j.coupling->offset;
+    bool one_axis = has_one_axis(j);
+    for (const RobotCoupling::Term& t : j.coupling->terms) {
+      const RobotJoint& other = *named.at(t.joint);
+      start += t.ratio * start_in_scene(other);
+      one_axis = one_axis && has_one_axis(other);
+    }
     std::string& why = uncoupled_[&j];
-    if (!has_one_axis(j) || !has_one_axis(other)) {
+    if (!one_axis) {
       why = "only joints with one axis are coupled";
-    } else if (&other == &j) {
-      why = "it is coupled to itself";
-    } else if (in_circle || !std::isfinite(start)) {
-      why = "the couplings form a circle";
+    } else if (!std::isfinite(start)) {
+      why = "it would start at infinity";
     } else if (start < j.lower - kOff || start > j.upper + kOff) {
       why = fmt::format("it would start at {}, beyond its limits", start);
     } else {
@@ -597,19 +609,32 @@ class SceneWriter {
     return found == coupled_starts_.end() ? start_of(j) : found->second;
   }
 
+  static std::string leaders(const RobotCoupling& coupling, const char* between) {
+    std::string out;
+    for (const RobotCoupling::Term& t : coupling.terms)
+      out += (out.empty() ? "" : between) + t.joint;
+    return out;
+  }
+
   void couplings() {
     for (const RobotJoint& j : robot_.joints) {
       const auto why = uncoupled_.find(&j);
       if (why == uncoupled_.end()) continue;
-      context_.left_out(j.at,
-                        fmt::format("coupling of joint '{}' to '{}'", j.name, j.coupling->joint),
-                        why->second + ": the joint moves freely");
+      context_.left_out(
+          j.at, fmt::format("coupling of joint '{}' to '{}'", j.name, leaders(*j.coupling, "', '")),
+          why->second + ": the joint moves freely");
     }
     for (const RobotJoint* j : coupled_) {
       const RobotCoupling& coupling = *j->coupling;
-      *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j->name, coupling.joint);
-      if (coupling.ratio != 1.0) *body_ += fmt::format(" ratio=\"{}\"", coupling.ratio);
-      if (coupling.offset != 0.0)
+      *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j->name, leaders(coupling, " "));
+      std::string ratios;
+      bool plain = true;
+      for (const RobotCoupling::Term& t : coupling.terms) {
+        ratios += fmt::format("{}{}", ratios.empty() ? "" : " ", t.ratio);
+        plain = plain && t.ratio == 1.0;
+      }
+      if (!plain || coupling.terms.size() > 1) *body_ += fmt::format(" ratio=\"{}\"", ratios);
+      if (tidy(coupling.offset) != 0.0)
         *body_ += fmt::format(" offset=\"{} {}\"", coupling.offset,
                               j->type == RobotJoint::Type::slider ? "m" : "rad");
       *body_ += "/>\n";
@@ -640,10 +665,17 @@ class SceneWriter {
       out += fmt::format("    <motor name=\"{}\" joint=\"{}\" mode=\"{}\"{}/>\n", d.name, d.joint,
                          mode, bound);
     };
+    std::set<std::string> moved;
+    for (const RobotJoint* j : coupled_) moved.insert(j->name);
     for (const RobotDrive& d : robot_.drives) {
       const int j = robot_.joint(d.joint);
       if (j < 0) continue;
       const RobotJoint& joint = robot_.joints[static_cast<std::size_t>(j)];
+      for (const std::string& follower : d.followers)
+        if (moved.count(follower) == 0)
+          context_.approximate(
+              d.at, fmt::format("drive '{}'", d.name),
+              fmt::format("does not move joint '{}', whose coupling is left out", follower));
       if (joint.type == RobotJoint::Type::hinge || joint.type == RobotJoint::Type::slider)
         one(d, joint);
       else
