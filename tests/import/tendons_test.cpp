@@ -171,3 +171,92 @@ TEST_CASE("passive forces of a tendon of one joint are the joint's", "[mjcf][ten
   CHECK(in.reports(kLeftOut, "fixed 'sum'", "a sum of joints"));
   CHECK(in.reports(kApproximate, "fixed 'band'", "dead band"));
 }
+
+namespace {
+
+/// Two boxes with a site each, and one in the world.
+std::string two_sites(const std::string& tendon) {
+  return R"(<mujoco><compiler angle="radian"/><worldbody><site name="hook" pos="0 0 3"/>
+    <body name="a" pos="0 0 1"><joint name="j" type="slide" springref="0.5"/>
+      <geom size="0.1" mass="1"/><site name="end" pos="0 0 0.25"/>
+      <body name="part"><geom size="0.05" mass="1"/><site name="deep" pos="0 0 0.5"/></body></body>
+    <body name="b" pos="2 0 0"><freejoint/><geom size="0.1" mass="1"/><site name="free"/></body>
+    </worldbody><tendon>)" +
+         tendon + "</tendon></mujoco>";
+}
+
+}  // namespace
+
+TEST_CASE("a tendon between two sites is a spring", "[mjcf][tendon]") {
+  Imported in;
+  in.read(
+      two_sites(
+          R"(<spatial name="up" stiffness="100" damping="3"><site site="end"/><site site="hook"/></spatial>
+    <spatial name="set" stiffness="50" springlength="0.4"><site site="deep"/><site site="free"/></spatial>
+    <spatial name="rope" stiffness="70" springlength="0 0.8"><site site="free"/><site site="hook"/></spatial>)"),
+      "m.xml");
+  REQUIRE(in.model);
+  REQUIRE(in.model->forces.size() == 3);
+  const auto& forces = in.model->forces;
+  CHECK(forces[0].stiffness == 100.0);
+  CHECK(forces[0].damping == 3.0);
+  CHECK(forces[0].length == Approx(1.25));  // 3 - 1 - 0.25, with the slide at its springref
+  CHECK((forces[0].X_BE.p - Vec3(0, 0, 0.25)).norm() < 1e-15);
+  CHECK(forces[1].length == 0.4);
+  // The end is on a body that was welded to another.
+  CHECK((forces[1].X_BE.p - Vec3(0, 0, 0.5)).norm() < 1e-15);
+  CHECK(!forces[1].cable);
+  CHECK(forces[2].cable);
+  CHECK(forces[2].length == 0.8);
+  for (const char* name : {"up", "set", "rope"}) {
+    INFO(name);
+    CHECK(in.reports(kExact, std::string("spatial '") + name + "'"));
+  }
+}
+
+TEST_CASE("tendons in space that are no springs are left out with the reason", "[mjcf][tendon]") {
+  Imported in;
+  in.read(
+      two_sites(
+          R"(<spatial name="limit" limited="true" range="0 1"><site site="end"/><site site="hook"/></spatial>
+    <spatial name="three" stiffness="1"><site site="end"/><site site="hook"/><site site="free"/></spatial>
+    <spatial name="around" stiffness="1"><site site="end"/><geom geom="g"/><site site="free"/></spatial>
+    <spatial name="same" stiffness="1"><site site="end"/><site site="deep"/></spatial>
+    <spatial name="band" stiffness="1" springlength="0.2 0.8"><site site="end"/><site site="free"/></spatial>)"),
+      "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "spatial 'limit'", "limits the length"));
+  CHECK(in.reports(kLeftOut, "spatial 'three'", "two ends"));
+  CHECK(in.reports(kLeftOut, "spatial 'around'", "straight"));
+  CHECK(in.reports(kLeftOut, "spring 'same'", "does not move"));
+  CHECK(in.reports(kApproximate, "spatial 'band'", "only pulls"));
+  CHECK(in.model->forces.size() == 1);
+}
+
+TEST_CASE("springs and cables come back from MJCF", "[mjcf][tendon]") {
+  const dsl::CompileResult scene = dsl::compile_text(R"(
+<scene name="springs" version="1">
+  <sphere name="left" radius="0.1 m" xyz="0 0 1"/>
+  <sphere name="right" radius="0.1 m" xyz="0 2 1"/>
+  <spring between="left right" stiffness="40 N/m" damping="2 N*s/m" length="1.5 m"/>
+  <spring between="left world" stiffness="60 N/m" length="0.7 m" cable="true"/>
+</scene>)",
+                                                     "springs.scene.xml");
+  INFO(dsl::to_text(scene.diagnostics));
+  REQUIRE(scene.ok());
+  dsl::ExportOptions options;
+  options.format = dsl::ExportFormat::mjcf;
+  const auto out = dsl::export_model(*scene.model, options);
+  REQUIRE(out);
+  Imported back;
+  back.read(out->text, "springs.xml");
+  REQUIRE(back.model);
+  REQUIRE(back.model->forces.size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ForceModel &before = scene.model->forces[i], &after = back.model->forces[i];
+    CHECK(after.stiffness == before.stiffness);
+    CHECK(after.damping == before.damping);
+    CHECK(after.length == before.length);
+    CHECK(after.cable == before.cable);
+  }
+}

@@ -27,7 +27,11 @@ void MjcfReader::world(const XmlElement& e) {
         ground().shapes.push_back(std::move(shape));
       }
     } else if (c->name == "site") {
-      ground().frames.push_back({name_of(*c, "site"), pose(with_defaults(*c, child_class(e, "")))});
+      const std::string name = name_of(*c, "site");
+      const Pose X = pose(with_defaults(*c, child_class(e, "")));
+      RobotLink& link = ground();
+      sites_[name] = {link.name, X};
+      link.frames.push_back({name, X, true});
     } else {
       context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
     }
@@ -111,7 +115,7 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
     const Pose X = pose(with_defaults(c, around));
     const std::string name = name_of(c, "site");
     sites_[name] = {link.name, X};
-    link.frames.push_back({name, X});
+    link.frames.push_back({name, X, true});
   } else if (c.name == "camera") {
     link.sensors.push_back(camera(c, with_defaults(c, around)));
   } else {
@@ -282,14 +286,8 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
                    fmt::format("joint '{}' has an axis of length 0", out.name));
   out.anchor = context_.vec3(e, "pos", Vec3::Zero());
   const double ref = coordinate(context_.number(e, "ref", 0.0));
-  const std::string* limited = e.find("limited");
-  const std::string* range = e.find("range");
-  const bool bounded =
-      range != nullptr &&
-      (limited == nullptr ? auto_limits_
-                          : *limited == "true" || (*limited == "auto" && auto_limits_));
-  if (bounded) {
-    const auto v = context_.numbers(source, *range, 2, 2, "'range'");
+  if (is_limited(e)) {
+    const auto v = context_.numbers(source, *e.find("range"), 2, 2, "'range'");
     if (v && out.type == Type::ball) {
       context_.left_out(source.at, fmt::format("range of joint '{}'", out.name),
                         "the cone of a ball joint is not taken over");

@@ -138,11 +138,14 @@ class MjcfReader {
 
   // ---- tendons
   void tendon(const XmlElement& source);
+  void spatial_tendon(const XmlElement& source, const XmlElement& e);
   void tendon_equality(const XmlElement& source, const XmlElement& e);
   /// Spring, damping, friction and limits of a fixed tendon.
   void tendon_passive(Tendon& t);
   /// The sum without joints that follow others. Empty: they follow in a circle, or too deep.
   std::optional<Transmission> without_followers(const std::vector<std::pair<int, double>>& joints);
+  /// Whether a joint or tendon has limits.
+  bool is_limited(const XmlElement& e) const;
   bool leads_to(int from, int to);
   int joint_index(const std::string& name);
   double ref(int joint) const;

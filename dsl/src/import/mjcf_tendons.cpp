@@ -35,7 +35,7 @@ void MjcfReader::tendon(const XmlElement& source) {
   Tendon t;
   t.e = with_defaults(source, "", "tendon");
   if (source.name != "fixed") {
-    context_.left_out(source.at, quoted_name(source), "a tendon in space has no counterpart");
+    spatial_tendon(source, t.e);
     return;
   }
   JointSum sum;
@@ -52,6 +52,69 @@ void MjcfReader::tendon(const XmlElement& source) {
   if (const std::string* name = source.find("name")) tendon_indices_[*name] = tendons_.size();
   tendons_.push_back(std::move(t));
   context_.exact(source.at, quoted_name(source), "is a sum of joints");
+}
+
+bool MjcfReader::is_limited(const XmlElement& e) const {
+  const std::string* limited = e.find("limited");
+  if (e.find("range") == nullptr) return false;
+  return limited == nullptr || *limited == "auto" ? auto_limits_ : *limited == "true";
+}
+
+void MjcfReader::spatial_tendon(const XmlElement& source, const XmlElement& e) {
+  RobotSpring s;
+  s.name = name_of(source, "spring");
+  s.at = source.at;
+  const std::string what = quoted_name(source);
+  std::size_t sites = 0;
+  for (const auto& c : source.children) {
+    const std::string* name = c->name == "site" ? c->find("site") : nullptr;
+    if (name == nullptr || sites_.count(*name) == 0) {
+      context_.left_out(source.at, what,
+                        c->name == "site" ? "needs sites of the model"
+                                          : "is led around bodies or over pulleys, where a spring "
+                                            "of a scene is straight");
+      return;
+    }
+    if (sites < 2) s.ends[sites] = *name;
+    ++sites;
+  }
+  s.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
+  s.damping = std::max(0.0, context_.number(e, "damping", 0.0));
+  std::vector<double> rest;
+  if (const std::string* text = e.find("springlength"))
+    rest = context_.numbers(e, *text, 1, 2, "'springlength'").value_or(rest);
+  if (rest.size() == 1) rest.push_back(rest.front());
+  if (!rest.empty() && rest.front() >= 0.0) {
+    s.length = rest[1];
+    s.pulls_only = rest[0] < rest[1];
+  }
+  const bool bounded = is_limited(e);
+  const bool rubs = context_.number(e, "frictionloss", 0.0) > 0.0;
+  std::string note;
+  const auto add = [&](bool when, const char* text) {
+    if (when) note += std::string(note.empty() ? "" : "; ") + text;
+  };
+  add(bounded,
+      "it limits the length of a path, which nothing in a scene does; near is "
+      "<spring cable=\"true\">");
+  add(rubs, "its frictionloss is left out");
+  if (sites != 2 || (s.stiffness == 0.0 && s.damping == 0.0)) {
+    if (sites != 2) note = "leads through other than two sites, where a spring has two ends";
+    if (note.empty())
+      context_.exact(source.at, what, "has no force of its own");
+    else
+      context_.left_out(source.at, what, note);
+    return;
+  }
+  add(s.pulls_only && rest[0] > 0.0,
+      "it only pulls, where MuJoCo's also pushes below the shorter "
+      "springlength");
+  add(s.pulls_only && s.damping > 0.0, "it damps only where it is taut");
+  robot_.springs.push_back(std::move(s));
+  if (note.empty())
+    context_.exact(source.at, what);
+  else
+    context_.approximate(source.at, what, note);
 }
 
 void MjcfReader::JointSum::add(int joint, double factor) {
@@ -157,11 +220,7 @@ void MjcfReader::tendon_equality(const XmlElement& source, const XmlElement& e) 
 void MjcfReader::tendon_passive(Tendon& t) {
   const XmlElement& e = t.e;
   t.sum = without_followers(t.joints);
-  const std::string* range = e.find("range");
-  const std::string* limited = e.find("limited");
-  const bool bounded =
-      range != nullptr &&
-      (limited == nullptr || *limited == "auto" ? auto_limits_ : *limited == "true");
+  const bool bounded = is_limited(e);
   const double stiffness = context_.number(e, "stiffness", 0.0);
   const double damping = context_.number(e, "damping", 0.0);
   const double friction = context_.number(e, "frictionloss", 0.0);
@@ -198,7 +257,7 @@ void MjcfReader::tendon_passive(Tendon& t) {
   j.damping += std::max(0.0, damping) * coef * coef;
   j.rotor_inertia += std::max(0.0, armature) * coef * coef;
   j.friction += std::max(0.0, friction) * std::abs(coef);
-  const auto v = bounded ? context_.numbers(e, *range, 2, 2, "'range'") : std::nullopt;
+  const auto v = bounded ? context_.numbers(e, *e.find("range"), 2, 2, "'range'") : std::nullopt;
   if (v) {
     double low = at_length((*v)[0]), high = at_length((*v)[1]);
     if (low > high) std::swap(low, high);

@@ -246,7 +246,7 @@ class Welding {
     RobotLink& from = robot_.links[at(child)];
     RobotLink& to = robot_.links[at(parent)];
     to.frames.push_back({from.name, X});
-    for (RobotFrame& f : from.frames) to.frames.push_back({f.name, X * f.X});
+    for (RobotFrame& f : from.frames) to.frames.push_back({f.name, X * f.X, f.is_site});
     for (RobotShape& s : from.shapes) {
       s.X = X * s.X;
       to.shapes.push_back(std::move(s));
@@ -413,7 +413,7 @@ std::string legal(const std::string& name) {
 
 void make_names(Context& context, RobotModel& robot) {
   std::set<std::string> taken = {"world"};  // is the world in a scene, and the root of many a URDF
-  std::map<std::string, std::string> joints, links;
+  std::map<std::string, std::string> joints, links, sites;
   const auto make = [&](const std::string& name, const char* kind, const Source& where) {
     std::string out = legal(name);
     if (taken.count(out) != 0 && taken.count(out + "_" + kind) == 0) out += std::string("_") + kind;
@@ -452,7 +452,11 @@ void make_names(Context& context, RobotModel& robot) {
       j.coupling.reset();
     }
   for (RobotLink& l : robot.links) {
-    for (RobotFrame& f : l.frames) f.name = make(f.name, "frame", l.at);
+    for (RobotFrame& f : l.frames) {
+      const std::string name = make(f.name, "frame", l.at);
+      if (f.is_site) sites[f.name] = name;
+      f.name = name;
+    }
     for (RobotSensor& s : l.sensors) {
       s.name = make(s.name.empty() ? s.element : s.name, "sensor", s.at);
       if (!s.joint.empty()) s.joint = joints[s.joint];
@@ -462,6 +466,10 @@ void make_names(Context& context, RobotModel& robot) {
     d.name = make(d.name, "motor", d.at);
     d.joint = joints[d.joint];
     for (std::string& name : d.followers) name = joints[name];
+  }
+  for (RobotSpring& s : robot.springs) {
+    s.name = make(s.name, "spring", s.at);
+    for (std::string& end : s.ends) end = sites[end];
   }
   for (auto& [a, b] : robot.no_contact) {
     a = links[a];

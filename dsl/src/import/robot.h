@@ -54,7 +54,8 @@ struct RobotInertia {
 /// A named frame on a link: of a link that was welded, a site, a sensor.
 struct RobotFrame {
   std::string name;
-  Pose X;  ///< in the link
+  Pose X;                ///< in the link
+  bool is_site = false;  ///< springs find their ends among these
 };
 
 struct RobotSensor {
@@ -119,12 +120,22 @@ struct RobotDrive {
   Source at;
 };
 
+/// A spring with a damper between two points.
+struct RobotSpring {
+  std::string name, ends[2];  ///< sites
+  double stiffness = 0.0, damping = 0.0;
+  std::optional<double> length;  ///< without force; empty: with all joints where they rest
+  bool pulls_only = false;
+  Source at;
+};
+
 struct RobotModel {
   std::string name;
   std::vector<RobotLink> links;
   std::vector<RobotJoint> joints;  ///< a tree: no link is the child of two
   std::vector<RobotJoint> loops;   ///< joints that close loops; X_PC is not used
   std::vector<RobotDrive> drives;
+  std::vector<RobotSpring> springs;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::optional<double> step;                                   ///< [s]
   std::optional<Vec3> gravity;                                  ///< [m/s^2]

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -61,8 +62,8 @@ class SceneWriter {
     find_couplings();
     inboard_.assign(robot_.links.size(), nullptr);
     for (const RobotJoint& j : robot_.joints) inboard_[static_cast<std::size_t>(j.child)] = &j;
-    poses_ = find_poses(false);
-    zero_poses_ = find_poses(true);
+    poses_ = find_poses([this](const RobotJoint& j) { return start_in_scene(j); });
+    zero_poses_ = find_poses([](const RobotJoint&) { return 0.0; });
     std::string body;
     body_ = &body;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
@@ -71,6 +72,7 @@ class SceneWriter {
       if (closes(j)) joint(j);
     couplings();
     drives();
+    springs();
     for (const RobotLink& l : robot_.links)
       for (const RobotSensor& s : l.sensors) sensor(l, s);
     for (const auto& [a, b] : robot_.no_contact)
@@ -161,8 +163,8 @@ class SceneWriter {
     return false;
   }
 
-  /// Poses of all links at the start, or at the joints' zeros, in the robot's frame.
-  std::vector<Pose> find_poses(bool at_zero) const {
+  /// Poses of all links in the robot's frame, with the joints at these positions.
+  std::vector<Pose> find_poses(const std::function<double(const RobotJoint&)>& position) const {
     std::vector<Pose> out;
     for (const RobotLink& l : robot_.links) out.push_back(l.X);
     std::vector<bool> known(robot_.links.size(), true);
@@ -174,7 +176,7 @@ class SceneWriter {
         const auto child = static_cast<std::size_t>(j.child);
         if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
         const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
-        out[child] = parent * j.X_PC * travel(j, at_zero ? 0.0 : start_in_scene(j));
+        out[child] = parent * j.X_PC * travel(j, position(j));
         known[child] = true;
         moved = true;
       }
@@ -696,6 +698,28 @@ class SceneWriter {
                : context_.options.drives == ImportDrives::velocity ? RobotDrive::Mode::velocity
                                                                    : RobotDrive::Mode::torque;
       one(d, j);
+    }
+  }
+
+  void springs() {
+    if (robot_.springs.empty()) return;
+    std::unordered_map<std::string, std::pair<std::size_t, const RobotFrame*>> frames;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      for (const RobotFrame& f : robot_.links[i].frames) frames[f.name] = {i, &f};
+    const std::vector<Pose> rest = find_poses([](const RobotJoint& j) { return j.rest; });
+    for (const RobotSpring& s : robot_.springs) {
+      const auto& [a, at_a] = frames.at(s.ends[0]);
+      const auto& [b, at_b] = frames.at(s.ends[1]);
+      if (a == b || (robot_.links[a].is_static && robot_.links[b].is_static)) {
+        context_.left_out(s.at, fmt::format("spring '{}'", s.name), "joins what does not move");
+        continue;
+      }
+      const double length = s.length.value_or((rest[a] * at_a->X.p - rest[b] * at_b->X.p).norm());
+      *body_ += fmt::format("    <spring name=\"{}\" between=\"{} {}\" stiffness=\"{} N/m\"",
+                            s.name, s.ends[0], s.ends[1], s.stiffness);
+      if (s.damping > 0.0) *body_ += fmt::format(" damping=\"{} N*s/m\"", s.damping);
+      *body_ +=
+          fmt::format(" length=\"{} m\"{}/>\n", length, s.pulls_only ? " cable=\"true\"" : "");
     }
   }
 
