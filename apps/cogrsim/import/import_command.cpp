@@ -173,6 +173,10 @@ void add_import(CLI::App& app, int& status) {
                   "that one of them does not support are left out, and reported")
       ->delimiter(',')
       ->type_name("LIST");
+  command
+      .add_option("--keyframe", o.import.keyframe,
+                  "Keyframe of an MJCF in which the robot starts; default: at its zero")
+      ->type_name("NAME");
   command.add_flag("--fixed-base", o.import.fixed_base, "The root link is static");
   command.add_flag("--no-floor", arguments->no_floor, "Add no floor below the robot");
   command

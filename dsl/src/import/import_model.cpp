@@ -58,6 +58,9 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
           fmt::format("<{}> is none of the formats that are read", root->name.substr(0, 60)),
           "URDF and xacro begin with <robot>, MJCF with <mujoco>, SDF with <sdf>");
     }
+    if (!options.keyframe.empty() && context.result.format != "MJCF")
+      context.refuse(root->at, "CG1408", fmt::format("there is no keyframe '{}'", options.keyframe),
+                     fmt::format("{} has no keyframes", context.result.format));
     if (context.failed()) return std::move(context.result);
     if (options.fixed_base) {
       std::vector<bool> carried(robot.links.size(), false);

@@ -31,6 +31,7 @@ RobotModel MjcfReader::read(XmlElement& root) {
       for (const auto& c : e->children) equality(*c);
   for (Tendon& t : tendons_) tendon_passive(t);
   for (const auto& e : root.children) section(*e);
+  keyframes(root);
   if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the model has no body");
   contacts();
   return std::move(robot_);
@@ -127,12 +128,9 @@ void MjcfReader::section(const XmlElement& e) {
     }
   } else if (e.name == "sensor") {
     for (const auto& c : e.children) sensor(*c);
-  } else if (e.name == "keyframe") {
-    for (const auto& c : e.children)
-      context_.left_out(c->at, quoted_name(*c), "the robot starts at its zero");
   } else if (e.name != "compiler" && e.name != "option" && e.name != "default" &&
              e.name != "asset" && e.name != "worldbody" && e.name != "tendon" &&
-             e.name != "equality") {
+             e.name != "equality" && e.name != "keyframe") {
     static const std::set<std::string> kSettings = {"size", "visual", "statistic", "custom",
                                                     "extension"};
     context_.left_out(e.at, fmt::format("<{}>", e.name),

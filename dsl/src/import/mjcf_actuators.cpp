@@ -103,6 +103,7 @@ std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement
 void MjcfReader::actuator(const XmlElement& source) {
   using Mode = RobotDrive::Mode;
   const XmlElement e = with_defaults(source, "");
+  controls_.emplace_back();
   const auto acts = actuator_joints(source, e);
   if (!acts) return;
   const auto law = actuator_law(source, e);
@@ -149,6 +150,7 @@ void MjcfReader::actuator(const XmlElement& source) {
           "its control u is {:.6g} u{} at joint '{}' here", scale,
           offset == 0.0 ? "" : fmt::format(" {} {:.6g}", offset < 0 ? "-" : "+", std::abs(offset)),
           out.joint));
+    controls_.back().push_back({robot_.drives.size(), scale, offset});
     robot_.drives.push_back(std::move(out));
   }
   if (!acts->followers.empty())

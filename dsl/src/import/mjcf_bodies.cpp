@@ -201,6 +201,7 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
       context_.error(e.at, "CG1413", "a free joint belongs to a body of the world");
       return j.child;
     }
+    if (is_free) coordinates_.push_back({static_cast<int>(robot_.joints.size()), 7, {}});
     robot_.joints.push_back(std::move(j));
     return static_cast<int>(robot_.links.size()) - 1;
   }
@@ -211,8 +212,13 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
     j.type = Type::planar;
     j.name = made[0].name;
     j.at = made[0].at;
-    for (const RobotJoint& k : made)
+    for (const RobotJoint& k : made) {
       if (k.type == Type::hinge) j.axis = k.axis;
+      const Pose part = k.type == Type::hinge
+                            ? Pose(Vec3::Zero(), Quat(Eigen::AngleAxisd(1.0, k.axis)))
+                            : Pose(k.axis, Quat::Identity());
+      coordinates_.push_back({static_cast<int>(robot_.joints.size()), 1, part});
+    }
     context_.exact(j.at, fmt::format("joints of body '{}'", link.name),
                    fmt::format("are one planar joint, '{}'", j.name));
     made = {j};
@@ -235,6 +241,10 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
     made[i].child = static_cast<int>(robot_.links.size()) - 1;
     from = made[i].child;
     X = Pose();
+    if (made[i].type != Type::planar)
+      coordinates_.push_back({static_cast<int>(robot_.joints.size()),
+                              made[i].type == Type::ball ? std::size_t{4} : std::size_t{1},
+                              {}});
     robot_.joints.push_back(made[i]);
   }
   return from;

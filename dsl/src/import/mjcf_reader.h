@@ -55,6 +55,17 @@ class MjcfReader {
     /// Those that are not zero but for rounding.
     std::vector<std::pair<int, double>> terms() const;
   };
+  /// The coordinates of one joint in MuJoCo's order.
+  struct Coordinates {
+    int joint = -1;
+    std::size_t count = 1;     ///< 7: free, 4: ball
+    std::optional<Pose> part;  ///< of a planar joint: its travel by one unit, or by one radian
+  };
+  /// The target of a drive is scale * control + offset.
+  struct Control {
+    std::size_t drive = 0;
+    double scale = 1.0, offset = 0.0;
+  };
   struct Tendon {
     XmlElement e;                                ///< with its defaults
     std::vector<std::pair<int, double>> joints;  ///< as written, none 0
@@ -136,6 +147,10 @@ class MjcfReader {
   void sensor(const XmlElement& e);
   void contacts();
 
+  // ---- keyframes
+  void keyframes(const XmlElement& root);
+  void start_at(const XmlElement& key);
+
   // ---- tendons
   void tendon(const XmlElement& source);
   void spatial_tendon(const XmlElement& source, const XmlElement& e);
@@ -168,6 +183,8 @@ class MjcfReader {
   std::vector<Tendon> tendons_;  ///< fixed ones
   std::map<std::string, std::size_t> tendon_indices_;
   std::size_t steps_left_ = 1'000'000;  ///< of searches among couplings
+  std::vector<Coordinates> coordinates_;
+  std::vector<std::vector<Control>> controls_;  ///< of each actuator
   std::vector<Bits> bits_;
   bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false;
   std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";

@@ -102,9 +102,10 @@ struct RobotJoint {
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
   double damping = 0.0, friction = 0.0, stiffness = 0.0, rest = 0.0;
-  double rotor_inertia = 0.0;  ///< added to the axis [kg m^2] or [kg]
-  double position = 0.0;       ///< at the start
-  double pitch = 0.0;          ///< of a screw [m/turn]
+  double rotor_inertia = 0.0;    ///< added to the axis [kg m^2] or [kg]
+  double position = 0.0;         ///< at the start
+  Quat turn = Quat::Identity();  ///< of a ball at the start
+  double pitch = 0.0;            ///< of a screw [m/turn]
   std::optional<RobotCoupling> coupling;
   Source at;
 };

@@ -62,8 +62,9 @@ class SceneWriter {
     find_couplings();
     inboard_.assign(robot_.links.size(), nullptr);
     for (const RobotJoint& j : robot_.joints) inboard_[static_cast<std::size_t>(j.child)] = &j;
-    poses_ = find_poses([this](const RobotJoint& j) { return start_in_scene(j); });
-    zero_poses_ = find_poses([](const RobotJoint&) { return 0.0; });
+    poses_ =
+        find_poses([this](const RobotJoint& j) { return travel(j, start_in_scene(j), j.turn); });
+    zero_poses_ = find_poses([](const RobotJoint&) { return Pose(); });
     std::string body;
     body_ = &body;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
@@ -157,14 +158,14 @@ class SceneWriter {
     const double gap = (poses_[parent] * in_parent - poses_[child] * j.anchor).norm();
     if (gap < 1e-4) return true;
     context_.left_out(j.at, fmt::format("loop '{}'", j.name),
-                      fmt::format("is open by {:.3g} m at the start, as limits exclude the joints' "
+                      fmt::format("is open by {:.3g} m at the start, which is not at the joints' "
                                   "zeros",
                                   gap));
     return false;
   }
 
-  /// Poses of all links in the robot's frame, with the joints at these positions.
-  std::vector<Pose> find_poses(const std::function<double(const RobotJoint&)>& position) const {
+  /// Poses of all links in the robot's frame, with the joints moved from their zeros by this.
+  std::vector<Pose> find_poses(const std::function<Pose(const RobotJoint&)>& moved_by) const {
     std::vector<Pose> out;
     for (const RobotLink& l : robot_.links) out.push_back(l.X);
     std::vector<bool> known(robot_.links.size(), true);
@@ -176,7 +177,7 @@ class SceneWriter {
         const auto child = static_cast<std::size_t>(j.child);
         if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
         const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
-        out[child] = parent * j.X_PC * travel(j, position(j));
+        out[child] = parent * j.X_PC * moved_by(j);
         known[child] = true;
         moved = true;
       }
@@ -184,17 +185,18 @@ class SceneWriter {
     return out;
   }
 
-  static Pose travel(const RobotJoint& j, double q) {
+  static Pose travel(const RobotJoint& j, double q, const Quat& turn_of_ball) {
     using Type = RobotJoint::Type;
     if (j.type == Type::hinge) {
       const Quat turn(Eigen::AngleAxisd(q, j.axis));
       return {j.anchor - turn * j.anchor, turn};
     }
     if (j.type == Type::slider) return {q * j.axis, Quat::Identity()};
+    if (j.type == Type::ball) return {j.anchor - turn_of_ball * j.anchor, turn_of_ball};
     return {};
   }
 
-  /// Where it starts: zero, or the limit nearest to it.
+  /// Where it starts: its position, or the limit nearest to it.
   static double start_of(const RobotJoint& j) { return std::clamp(j.position, j.lower, j.upper); }
 
   static std::string pose_text(const Pose& X) {
@@ -533,12 +535,18 @@ class SceneWriter {
       const double start = start_of(j);
       if (start != 0.0 && coupled_starts_.count(&j) == 0) {
         out += fmt::format(" position=\"{} {}\"", start, unit);
-        if (j.position == 0.0)
-          context_.approximate(j.at, fmt::format("joint '{}'", j.name),
-                               fmt::format("zero lies beyond its limits: it starts at {}", start));
       }
+      if (start != j.position && coupled_starts_.count(&j) == 0)
+        context_.approximate(
+            j.at, fmt::format("joint '{}'", j.name),
+            fmt::format("{} lies beyond its limits: it starts at {}",
+                        j.position == 0.0 ? "zero" : fmt::format("its start {}", j.position),
+                        start));
     } else if (j.type == Type::ball) {
       passive(j, false, out);
+      if (j.turn.vec().norm() > 0.0)
+        out += fmt::format(" position=\"{} {} {} {}\"", j.turn.w(), j.turn.x(), j.turn.y(),
+                           j.turn.z());
     }
     if (j.rotor_inertia > 0.0 && (turns || slides || j.type == Type::ball))
       out += fmt::format(" rotor-inertia=\"{} {}\"", j.rotor_inertia, slides ? "kg" : "kg*m^2");
@@ -601,6 +609,10 @@ class SceneWriter {
       why = fmt::format("it would start at {}, beyond its limits", start);
     } else {
       uncoupled_.erase(&j);
+      if (j.position != 0.0 && std::abs(start - j.position) > kOff)
+        context_.approximate(
+            j.at, fmt::format("joint '{}'", j.name),
+            fmt::format("its coupling puts it at {} at the start, not at {}", start, j.position));
       coupled_starts_.emplace(&j, start);
       coupled_.push_back(&j);
     }
@@ -661,11 +673,16 @@ class SceneWriter {
         out += "/>\n";
         return;
       }
+      const std::string target =
+          !d.target ? ""
+          : d.mode == RobotDrive::Mode::velocity
+              ? fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad/s" : "m/s")
+              : fmt::format(" target=\"{} {}\"", *d.target, turns ? "N*m" : "N");
       const char* mode = d.mode == RobotDrive::Mode::position   ? "position"
                          : d.mode == RobotDrive::Mode::velocity ? "velocity"
                                                                 : "torque";
-      out += fmt::format("    <motor name=\"{}\" joint=\"{}\" mode=\"{}\"{}/>\n", d.name, d.joint,
-                         mode, bound);
+      out += fmt::format("    <motor name=\"{}\" joint=\"{}\" mode=\"{}\"{}{}/>\n", d.name, d.joint,
+                         mode, bound, target);
     };
     std::set<std::string> moved;
     for (const RobotJoint* j : coupled_) moved.insert(j->name);
@@ -706,7 +723,8 @@ class SceneWriter {
     std::unordered_map<std::string, std::pair<std::size_t, const RobotFrame*>> frames;
     for (std::size_t i = 0; i < robot_.links.size(); ++i)
       for (const RobotFrame& f : robot_.links[i].frames) frames[f.name] = {i, &f};
-    const std::vector<Pose> rest = find_poses([](const RobotJoint& j) { return j.rest; });
+    const std::vector<Pose> rest =
+        find_poses([](const RobotJoint& j) { return travel(j, j.rest, Quat::Identity()); });
     for (const RobotSpring& s : robot_.springs) {
       const auto& [a, at_a] = frames.at(s.ends[0]);
       const auto& [b, at_b] = frames.at(s.ends[1]);

@@ -53,6 +53,9 @@ struct ImportOptions {
   /// Arguments of xacro, `<xacro:arg>`.
   std::map<std::string, std::string> arguments;
   ImportDrives drives = ImportDrives::none;
+  /// Of an MJCF: the keyframe in which the robot starts, by its name, or by its number counted from 1
+  /// where it has none. Empty: it starts at its zero.
+  std::string keyframe;
   bool fixed_base = false;  ///< the root link is static
   bool floor = true;        ///< a plane below the model
   /// Folder of the scene, absolute; meshes are referred to relative to it. Empty: that of the model.
