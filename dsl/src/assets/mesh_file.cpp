@@ -10,7 +10,6 @@
 #include "syntax/text.h"
 
 namespace cogrsim::dsl {
-namespace {
 
 Result<std::string> read_whole_file(const std::string& path, std::size_t limit) {
   std::ifstream in(path, std::ios::binary);
@@ -27,6 +26,8 @@ Result<std::string> read_whole_file(const std::string& path, std::size_t limit) 
   if (in.bad()) return fail("the file cannot be read to its end");
   return text;
 }
+
+namespace {
 
 std::string ending(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");

@@ -14,6 +14,9 @@ inline constexpr std::size_t kMaxMeshVertices = 2'000'000;
 inline constexpr std::size_t kMaxMeshTriangles = 4'000'000;
 inline constexpr std::size_t kMaxHeightSamples = 4'000'000;
 
+/// Errors: the file cannot be read, or has more than `limit` bytes.
+Result<std::string> read_whole_file(const std::string& path, std::size_t limit);
+
 /// Wavefront OBJ: `v`, `vt` and `f` (polygons are cut into fans, negative indices count backwards).
 /// Faces without texture coordinates among others that have them show the picture's corner (0, 0).
 /// Normals are checked and skipped, groups and materials skipped: the orientation of the surface

@@ -23,7 +23,9 @@ void MjcfReader::world(const XmlElement& e) {
       const XmlElement g = with_defaults(*c, child_class(e, ""));
       RobotShape shape;
       if (geom(*c, g, shape, nullptr)) {
-        if (shape.geometry.type == Geometry::Type::plane) robot_.has_ground = true;
+        if (shape.geometry.type == Geometry::Type::plane ||
+            shape.geometry.type == Geometry::Type::heightmap)
+          robot_.has_ground = true;
         ground().shapes.push_back(std::move(shape));
       }
     } else if (c->name == "site") {

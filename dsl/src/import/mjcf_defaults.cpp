@@ -47,6 +47,8 @@ void MjcfReader::assets(const XmlElement& e) {
       mesh.path = *path;
       meshes_[key] = mesh;
       context_.exact(c->at, quoted_name(*c));
+    } else if (c->name == "hfield") {
+      height_field(*c, a, key);
     } else if (c->name == "material") {
       if (const std::string* rgba = a.find("rgba")) {
         const auto v = context_.numbers(*c, *rgba, 3, 4, "'rgba'");

@@ -62,6 +62,16 @@ bool MjcfReader::geom_shape(const XmlElement& source, const XmlElement& e, const
   bool has_size = true;
   if (kind == "plane") {
     g.type = Geometry::Type::plane;
+  } else if (kind == "hfield") {
+    const std::string* name = e.find("hfield");
+    const auto known = name == nullptr ? hills_.end() : hills_.find(*name);
+    if (known == hills_.end()) {
+      context_.left_out(source.at, what, "its height field could not be read");
+      return false;
+    }
+    g.type = Geometry::Type::heightmap;
+    g.size = known->second.size;
+    g.heights = known->second.heights;
   } else if (kind == "mesh" || mesh != nullptr) {
     return geom_mesh(source, mesh, kind, what, g);
   } else if (kind == "sphere") {
@@ -149,7 +159,9 @@ const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std
 void MjcfReader::geom_inertia(const XmlElement& source, const XmlElement& e,
                               const RobotShape& shape, RobotInertia* inertia,
                               const std::string& what) {
-  if (inertia == nullptr || shape.geometry.type == Geometry::Type::plane) return;
+  if (inertia == nullptr || shape.geometry.type == Geometry::Type::plane ||
+      shape.geometry.type == Geometry::Type::heightmap)
+    return;
   const double group = context_.number(e, "group", 0.0);
   if (group < first_group_ || group > last_group_) return;
   const std::optional<double> given = context_.number(e, "mass");

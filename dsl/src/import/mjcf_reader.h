@@ -28,6 +28,10 @@ class MjcfReader {
     Vec3 scale = Vec3::Ones();
     Source at;
   };
+  struct Hills {
+    Vec3 size = Vec3::Zero();  ///< whole extents
+    std::shared_ptr<const HeightField> heights;
+  };
   struct Bits {
     unsigned type = 1, affinity = 1;
   };
@@ -86,6 +90,12 @@ class MjcfReader {
   void option(const XmlElement& e);
   void default_class(const XmlElement& e, const std::string& parent, bool top);
   void assets(const XmlElement& e);
+  void height_field(const XmlElement& source, const XmlElement& e, const std::string& key);
+  /// From a picture, a file of MuJoCo's format, or the element. Empty: none, which was reported.
+  std::optional<HeightField> heights(const XmlElement& source, const XmlElement& e);
+  static Result<HeightField> read_heights(const std::string& path, std::size_t limit);
+  /// From 0 to 1, as MuJoCo scales them.
+  static void normalize(HeightField& field);
 
   // ---- attributes with defaults
   /// The element with what its class, or the class of the bodies around it, says for it.
@@ -174,6 +184,7 @@ class MjcfReader {
   RobotModel robot_;
   std::map<std::string, Defaults> classes_;
   std::map<std::string, Mesh> meshes_;
+  std::map<std::string, Hills> hills_;
   std::map<std::string, Result<MassProperties>> mesh_masses_;
   std::map<std::string, Color> materials_;
   std::map<std::string, std::pair<std::string, Pose>> sites_;  // link and pose

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,12 @@
 #include "import/context.h"
 
 namespace cogrsim::dsl::import {
+
+/// Heights from 0 to 1, the row with the largest y first.
+struct HeightField {
+  int columns = 0, rows = 0;
+  std::vector<double> samples;
+};
 
 struct Geometry {
   enum class Type {
@@ -23,14 +30,16 @@ struct Geometry {
     cone,
     prism,
     plane,
-    mesh
+    mesh,
+    heightmap
   } type = Type::box;
-  Vec3 size = Vec3::Zero();  ///< box: whole extents; ellipsoid: half axes [m]
+  Vec3 size = Vec3::Zero();  ///< box, heightmap: whole extents; ellipsoid: half axes [m]
   double radius = 0.0;       ///< [m]
   double length = 0.0;       ///< capsule: without its ends; others: whole [m]
   std::string mesh;          ///< canonical path
   std::vector<Vec3> points;  ///< prism: of its convex outline, z = 0 [m]
   Vec3 scale = Vec3::Ones();
+  std::shared_ptr<const HeightField> heights;
 };
 
 struct RobotShape {

@@ -275,8 +275,8 @@ class SceneWriter {
   static bool same(const RobotShape& a, const RobotShape& b) {
     const Geometry &x = a.geometry, &y = b.geometry;
     return x.type == y.type && x.type != Geometry::Type::mesh && x.points == y.points &&
-           x.size == y.size && x.radius == y.radius && x.length == y.length && a.X.p == b.X.p &&
-           a.X.q.coeffs() == b.X.q.coeffs();
+           x.heights == y.heights && x.size == y.size && x.radius == y.radius &&
+           x.length == y.length && a.X.p == b.X.p && a.X.q.coeffs() == b.X.q.coeffs();
   }
 
   std::string shape(const RobotLink& l, const RobotShape& s, const Pose& X_RL) {
@@ -346,6 +346,8 @@ class SceneWriter {
         return prism(s, X);
       case Geometry::Type::mesh:
         return mesh(l, s, X);
+      case Geometry::Type::heightmap:
+        return heightmap(l, s);
     }
     return {};
   }
@@ -380,6 +382,36 @@ class SceneWriter {
           s.at, fmt::format("collision mesh of '{}'", l.name),
           l.is_static ? "collides as its convex hull: " + reason : "collides as its convex hull");
     return {"mesh", attributes};
+  }
+
+  ShapeText heightmap(const RobotLink& l, const RobotShape& s) {
+    if (!l.is_static) {
+      context_.left_out(s.at, fmt::format("height field of '{}'", l.name),
+                        "moves, and a heightmap never does");
+      return {};
+    }
+    constexpr std::size_t kMostInScene = 400;
+    const Geometry& g = s.geometry;
+    const HeightField& field = *g.heights;
+    std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
+    // Rows of a scene begin at the lowest y, those of a file at the highest.
+    if (field.samples.size() <= kMostInScene || context_.options.prototype_only) {
+      for (int r = field.rows - 1; r >= 0; --r)
+        for (int c = 0; c < field.columns; ++c)
+          text += fmt::format(
+              "{}{}", text.empty() ? "" : " ",
+              g.size[2] * field.samples[static_cast<std::size_t>(r * field.columns + c)]);
+      return {"heightmap",
+              attributes + fmt::format(" columns=\"{}\" heights=\"{}\"", field.columns, text)};
+    }
+    auto& file = hills_[g.heights.get()];
+    if (file.empty()) {
+      for (std::size_t i = 0; i < field.samples.size(); ++i)
+        text += fmt::format("{}{}", field.samples[i],
+                            (i + 1) % static_cast<std::size_t>(field.columns) == 0 ? "\n" : " ");
+      file = add_file("heights.txt", std::move(text));
+    }
+    return {"heightmap", attributes + fmt::format(" file=\"{}\" height=\"{} m\"", file, g.size[2])};
   }
 
   /// The attribute `name`, where the source's name is one that a scene takes and is not taken yet.
@@ -790,6 +822,7 @@ class SceneWriter {
   std::vector<Pose> poses_, zero_poses_;
   Bounds extent_;
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
+  std::map<const HeightField*, std::string> hills_;  // file of each
   std::set<std::string> file_names_, shape_names_;
 };
 
