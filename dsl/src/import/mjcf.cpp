@@ -33,7 +33,8 @@ RobotModel MjcfReader::read(XmlElement& root) {
   for (const auto& e : root.children) section(*e);
   keyframes(root);
   if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the model has no body");
-  contacts();
+  if (total_mass_ > 0.0)
+    context_.left_out({}, "settotalmass", "masses are as the bodies have them");
   return std::move(robot_);
 }
 
@@ -117,15 +118,7 @@ void MjcfReader::section(const XmlElement& e) {
   if (e.name == "actuator") {
     for (const auto& c : e.children) actuator(*c);
   } else if (e.name == "contact") {
-    for (const auto& c : e.children) {
-      const std::string *a = c->find("body1"), *b = c->find("body2");
-      if (c->name == "exclude" && a != nullptr && b != nullptr) {
-        robot_.no_contact.emplace_back(*a, *b);
-        context_.exact(c->at, fmt::format("no contact of '{}' and '{}'", *a, *b));
-      } else {
-        context_.left_out(c->at, quoted_name(*c), "contacts of single geoms are not read");
-      }
-    }
+    for (const auto& c : e.children) contact(*c);
   } else if (e.name == "sensor") {
     for (const auto& c : e.children) sensor(*c);
   } else if (e.name != "compiler" && e.name != "option" && e.name != "default" &&
@@ -138,18 +131,29 @@ void MjcfReader::section(const XmlElement& e) {
   }
 }
 
-void MjcfReader::contacts() {
-  // Bits that are the same on all geoms need no pairs.
-  bool differ = false;
-  for (const Bits& b : bits_)
-    if (b.type != 0 || b.affinity != 0)
-      differ = differ || b.type != bits_.front().type || b.affinity != bits_.front().affinity;
-  if (differ)
-    context_.approximate(
-        {}, "contype and conaffinity",
-        "shapes whose bits are all 0 touch nothing; else all shapes touch each other");
-  if (total_mass_ > 0.0)
-    context_.left_out({}, "settotalmass", "masses are as the bodies have them");
+void MjcfReader::contact(const XmlElement& e) {
+  const std::string *a = e.find("body1"), *b = e.find("body2");
+  const std::string *one = e.find("geom1"), *two = e.find("geom2");
+  if (e.name == "exclude" && a != nullptr && b != nullptr) {
+    robot_.no_contact.emplace_back(*a, *b);
+    context_.exact(e.at, fmt::format("no contact of '{}' and '{}'", *a, *b));
+  } else if (e.name == "pair" && one != nullptr && two != nullptr) {
+    const std::string what = fmt::format("contact of '{}' and '{}'", *one, *two);
+    for (const std::string* name : {one, two})
+      if (read_geoms_.count(*name) == 0) {
+        context_.left_out(e.at, what, fmt::format("there is no geom '{}'", *name));
+        return;
+      }
+    robot_.touching.emplace_back(*one, *two);
+    const XmlElement all = with_defaults(e, "");
+    const bool plain = all.find("friction") == nullptr && all.find("condim") == nullptr;
+    if (plain)
+      context_.exact(e.at, what);
+    else
+      context_.approximate(e.at, what, "has the friction of the two shapes, not of the pair");
+  } else {
+    context_.left_out(e.at, quoted_name(e), "names neither two bodies nor two geoms");
+  }
 }
 
 RobotModel read_mjcf(Context& context, const XmlElement& root) {

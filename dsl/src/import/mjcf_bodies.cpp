@@ -11,6 +11,8 @@ namespace cogrsim::dsl::import {
 void MjcfReader::note_joints(const XmlElement& e, int depth) {
   for (const char* key : {"joint", "joint1", "joint2"})
     if (const std::string* name = e.find(key)) used_joints_.insert(*name);
+  for (const char* key : {"geom1", "geom2"})
+    if (const std::string* name = e.find(key)) paired_geoms_.insert(*name);
   if (depth < 90)
     for (const auto& c : e.children) note_joints(*c, depth + 1);
 }

@@ -23,8 +23,11 @@ bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, RobotShape&
   if (out.geometry.type == Geometry::Type::ellipsoid)
     context_.approximate(source.at, what,
                          "touches as a hull of 720 triangles, within 0.6 %; its mass is exact");
-  const Bits bits = geom_bits(e);
-  out.collides = bits.type != 0 || bits.affinity != 0;
+  out.contact_type = static_cast<unsigned>(context_.number(e, "contype", 1.0));
+  out.contact_affinity = static_cast<unsigned>(context_.number(e, "conaffinity", 1.0));
+  out.collides = out.contact_type != 0 || out.contact_affinity != 0 ||
+                 (!out.name.empty() && paired_geoms_.count(out.name) != 0);
+  if (!out.name.empty()) read_geoms_.insert(out.name);
   geom_appearance(source, e, out);
   if (!out.visible && !out.collides) return false;
   out.friction = 1.0;
@@ -37,7 +40,6 @@ bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, RobotShape&
     out.spinning_friction = friction.size() > 1 ? std::max(0.0, friction[1]) : 0.005;
   if (dimensions >= 6.0)
     out.rolling_friction = friction.size() > 2 ? std::max(0.0, friction[2]) : 0.0001;
-  bits_.push_back(bits);
   context_.exact(source.at, what);
   return true;
 }
@@ -111,13 +113,6 @@ bool MjcfReader::geom_mesh(const XmlElement& source, const std::string* mesh,
   g.mesh = known->second.path;
   g.scale = known->second.scale;
   return true;
-}
-
-MjcfReader::Bits MjcfReader::geom_bits(const XmlElement& e) {
-  const auto bits = [&](const char* name) {
-    return static_cast<unsigned>(context_.number(e, name, 1.0));
-  };
-  return {bits("contype"), bits("conaffinity")};
 }
 
 void MjcfReader::geom_appearance(const XmlElement& source, const XmlElement& e, RobotShape& out) {

@@ -32,9 +32,6 @@ class MjcfReader {
     Vec3 size = Vec3::Zero();  ///< whole extents
     std::shared_ptr<const HeightField> heights;
   };
-  struct Bits {
-    unsigned type = 1, affinity = 1;
-  };
   /// The content of a <body>, with the defaults of its classes.
   struct BodyParts {
     RobotLink link;
@@ -107,7 +104,8 @@ class MjcfReader {
   Pose pose(const XmlElement& e) { return {context_.vec3(e, "pos", Vec3::Zero()), orientation(e)}; }
 
   // ---- bodies
-  /// Joints that actuators, equalities, tendons and sensors name: these keep their own axis.
+  /// Joints that actuators, equalities, tendons and sensors name: these keep their own axis. Geoms
+  /// that pairs name.
   void note_joints(const XmlElement& e, int depth);
   void world(const XmlElement& e);
   /// What is fixed to the world.
@@ -134,7 +132,6 @@ class MjcfReader {
                   const std::string& what, RobotShape& out);
   bool geom_mesh(const XmlElement& source, const std::string* mesh, const std::string& kind,
                  const std::string& what, Geometry& g);
-  Bits geom_bits(const XmlElement& e);
   void geom_appearance(const XmlElement& source, const XmlElement& e, RobotShape& out);
   /// Of a mesh of density 1 kg/m^3, in its file's axes and after its scale.
   const Result<MassProperties>& mesh_mass(const Geometry& g, const std::string& what);
@@ -155,7 +152,7 @@ class MjcfReader {
   void equality(const XmlElement& source);
   std::vector<double> polynomial(const XmlElement& source, const XmlElement& e);
   void sensor(const XmlElement& e);
-  void contacts();
+  void contact(const XmlElement& e);
 
   // ---- keyframes
   void keyframes(const XmlElement& root);
@@ -196,7 +193,8 @@ class MjcfReader {
   std::size_t steps_left_ = 1'000'000;  ///< of searches among couplings
   std::vector<Coordinates> coordinates_;
   std::vector<std::vector<Control>> controls_;  ///< of each actuator
-  std::vector<Bits> bits_;
+  std::set<std::string> read_geoms_;            ///< with a name
+  std::set<std::string> paired_geoms_;          ///< of <pair>, which touch whatever their bits
   bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false;
   std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";
   double bound_mass_ = 0.0, bound_inertia_ = 0.0, total_mass_ = -1.0;

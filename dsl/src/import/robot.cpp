@@ -471,10 +471,14 @@ void make_names(Context& context, RobotModel& robot) {
     s.name = make(s.name, "spring", s.at);
     for (std::string& end : s.ends) end = sites[end];
   }
-  for (auto& [a, b] : robot.no_contact) {
-    a = links[a];
-    b = links[b];
-  }
+  const auto rename = [&](std::vector<std::pair<std::string, std::string>>& pairs) {
+    for (auto& [a, b] : pairs) {
+      a = links[a];
+      b = links[b];
+    }
+  };
+  rename(robot.no_contact);
+  if (robot.only_contact) rename(*robot.only_contact);
 }
 
 }  // namespace cogrsim::dsl::import

@@ -49,6 +49,8 @@ struct RobotShape {
   std::optional<Color> color;
   std::string texture;  ///< canonical path
   bool visible = true, collides = true;
+  /// Two shapes touch where the type of one and the affinity of the other have a common bit.
+  unsigned contact_type = 1, contact_affinity = 1;
   std::optional<double> friction;
   double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m]
   Source at;
@@ -147,8 +149,11 @@ struct RobotModel {
   std::vector<RobotDrive> drives;
   std::vector<RobotSpring> springs;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
-  std::optional<double> step;                                   ///< [s]
-  std::optional<Vec3> gravity;                                  ///< [m/s^2]
+  std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
+  /// Nothing of the robot touches each other, but for these pairs of links.
+  std::optional<std::vector<std::pair<std::string, std::string>>> only_contact;
+  std::optional<double> step;   ///< [s]
+  std::optional<Vec3> gravity;  ///< [m/s^2]
   bool has_ground = false;
 
   int link(const std::string& name) const;
@@ -173,6 +178,9 @@ void square_axes(Context& context, RobotModel& robot);
 /// child's name becomes a frame there. Links without mass become frames or are given a small mass,
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
+
+/// Finds the pairs of links that do not touch by the bits of their shapes.
+void separate_by_bits(Context& context, RobotModel& robot);
 
 /// Names that the scene language takes, unique among bodies, joints, frames, drives and sensors;
 /// what was renamed is reported.

@@ -113,7 +113,13 @@ class SceneWriter {
                             ? std::ceil(-extent_.low[2] * 1e4) / 1e4
                             : 0.0;
     if (lift != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift);
-    out += "/>\n</scene>\n";
+    out += "/>\n";
+    if (robot_.only_contact) {
+      out += fmt::format("  <collide between=\"{0} {0}\" with=\"false\"/>\n", name);
+      for (const auto& [a, b] : *robot_.only_contact)
+        out += fmt::format("  <collide between=\"{0}.{1} {0}.{2}\"/>\n", name, a, b);
+    }
+    out += "</scene>\n";
     context_.result.scene = std::move(out);
   }
 

@@ -1,0 +1,189 @@
+// Which links touch each other, by the bits of their shapes.
+//
+// Two shapes touch where the contact type of one and the affinity of the other have a bit in common,
+// or where a pair names them. A scene decides per pair of bodies. Bodies of which no shapes may touch
+// are listed; where the list of those that do is the shorter one, that is written instead.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "import/robot.h"
+
+namespace cogrsim::dsl::import {
+
+namespace {
+
+using Pair = std::pair<int, int>;
+
+class ContactBits {
+ public:
+  ContactBits(Context& context, RobotModel& robot) : context_(context), robot_(robot) {}
+
+  void separate() {
+    find_named_pairs();
+    if (!find_classes()) return;
+    silence_shapes();
+    find_masks();
+    count();
+    report();
+  }
+
+ private:
+  static constexpr std::size_t kMostClasses = 64, kMostPairs = 1000;
+  using Mask = std::uint64_t;
+  using Class = std::pair<unsigned, unsigned>;  // type, affinity
+
+  static bool touch(const Class& a, const Class& b) {
+    return (a.first & b.second) != 0 || (b.first & a.second) != 0;
+  }
+  static Class class_of(const RobotShape& s) { return {s.contact_type, s.contact_affinity}; }
+
+  void find_named_pairs() {
+    std::unordered_map<std::string, int> link_of;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      for (const RobotShape& s : robot_.links[i].shapes)
+        if (!s.name.empty()) link_of.emplace(s.name, static_cast<int>(i));
+    for (const auto& [a, b] : robot_.touching) {
+      const auto one = link_of.find(a), two = link_of.find(b);
+      if (one == link_of.end() || two == link_of.end()) continue;  // left out with its shape
+      named_shapes_.insert(a);
+      named_shapes_.insert(b);
+      if (one->second != two->second) named_.insert(std::minmax(one->second, two->second));
+    }
+  }
+
+  /// Whether any bits matter.
+  bool find_classes() {
+    for (const RobotLink& l : robot_.links)
+      for (const RobotShape& s : l.shapes)
+        if (s.collides) classes_.emplace(class_of(s), classes_.size());
+    const bool all_touch = std::all_of(classes_.begin(), classes_.end(), [&](const auto& a) {
+      return std::all_of(classes_.begin(), classes_.end(),
+                         [&](const auto& b) { return touch(a.first, b.first); });
+    });
+    if (all_touch) return false;
+    if (classes_.size() <= kMostClasses) return true;
+    context_.approximate(
+        {}, "contype and conaffinity",
+        fmt::format("more than {} different ones: all shapes touch each other", kMostClasses));
+    return false;
+  }
+
+  /// A shape that touches neither another one of the model nor what has the usual bits.
+  void silence_shapes() {
+    for (RobotLink& l : robot_.links)
+      for (RobotShape& s : l.shapes) {
+        if (!s.collides || named_shapes_.count(s.name) != 0) continue;
+        const Class own = class_of(s);
+        s.collides =
+            touch(own, {1, 1}) || std::any_of(classes_.begin(), classes_.end(),
+                                              [&](const auto& c) { return touch(own, c.first); });
+      }
+  }
+
+  void find_masks() {
+    std::vector<Mask> partners(classes_.size(), 0);
+    for (const auto& [a, i] : classes_)
+      for (const auto& [b, k] : classes_)
+        if (touch(a, b)) partners[i] |= Mask{1} << k;
+    for (const RobotLink& l : robot_.links) {
+      Masks m;
+      for (const RobotShape& s : l.shapes) {
+        if (!s.collides) continue;
+        const std::size_t c = classes_.at(class_of(s));
+        m.own |= Mask{1} << c;
+        m.some |= partners[c];
+        m.all &= partners[c];
+      }
+      masks_.push_back(m);
+    }
+  }
+
+  bool stands(int link) const { return robot_.links[static_cast<std::size_t>(link)].is_static; }
+
+  void count() {
+    std::set<Pair> known;  // that never touch, or were reported
+    std::unordered_map<std::string, int> index;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      index.emplace(robot_.links[i].name, static_cast<int>(i));
+    for (const RobotJoint& j : robot_.joints)
+      if (j.parent >= 0) known.insert(std::minmax(j.parent, j.child));
+    for (const RobotJoint& j : robot_.loops)
+      if (j.parent >= 0) known.insert(std::minmax(j.parent, j.child));
+    for (const auto& [a, b] : robot_.no_contact)
+      known.insert(std::minmax(index.at(a), index.at(b)));
+    const int n = static_cast<int>(robot_.links.size());
+    for (int i = 0; i < n; ++i) {
+      const Masks& a = masks_[static_cast<std::size_t>(i)];
+      if (a.own == 0) continue;
+      for (int k = i + 1; k < n; ++k) {
+        const Masks& b = masks_[static_cast<std::size_t>(k)];
+        if (b.own == 0 || (stands(i) && stands(k))) continue;
+        const bool none = (a.some & b.own) == 0, whole = (a.all & b.own) == b.own;
+        if (!none && whole && touching_.size() > kMostPairs) continue;
+        if (none && apart_.size() > kMostPairs) continue;
+        if (known.count({i, k}) != 0) continue;
+        const bool by_name = none && named_.count({i, k}) != 0;
+        if (none && !by_name) {
+          apart_.emplace_back(i, k);
+        } else {
+          if (!whole || by_name) ++partly_;
+          if (touching_.size() <= kMostPairs) touching_.emplace_back(i, k);
+        }
+      }
+    }
+  }
+
+  void report() {
+    const auto named = [&](const Pair& p) {
+      return std::pair(robot_.links[static_cast<std::size_t>(p.first)].name,
+                       robot_.links[static_cast<std::size_t>(p.second)].name);
+    };
+    std::string how;
+    if (apart_.size() > touching_.size() && apart_.size() > kFew &&
+        touching_.size() <= kMostPairs && !context_.options.prototype_only) {
+      robot_.only_contact.emplace();
+      for (const Pair& p : touching_) robot_.only_contact->push_back(named(p));
+      how = fmt::format("{} pairs of bodies touch, others do not", touching_.size());
+    } else if (apart_.size() <= kMostPairs) {
+      for (const Pair& p : apart_) robot_.no_contact.push_back(named(p));
+      how = fmt::format("{} pairs of bodies do not touch", apart_.size());
+    } else {
+      context_.approximate(
+          {}, "contype and conaffinity",
+          fmt::format("all bodies touch: more than {} pairs do not in MuJoCo", kMostPairs));
+      return;
+    }
+    if (partly_ == 0)
+      context_.exact({}, "contype and conaffinity", how);
+    else
+      context_.approximate(
+          {}, "contype and conaffinity",
+          fmt::format("{}; in {} pairs that do, all shapes touch, where in MuJoCo only some do",
+                      how, partly_));
+  }
+  static constexpr std::size_t kFew = 10;  // that anybody would list one by one
+
+  struct Masks {
+    Mask own = 0, some = 0, all = ~Mask{0};  // classes of its shapes; that some, that all touch
+  };
+  Context& context_;
+  RobotModel& robot_;
+  std::map<Class, std::size_t> classes_;
+  std::vector<Masks> masks_;
+  std::set<Pair> named_;
+  std::set<std::string> named_shapes_;
+  std::vector<Pair> apart_, touching_;
+  std::size_t partly_ = 0;
+};
+
+}  // namespace
+
+void separate_by_bits(Context& context, RobotModel& robot) {
+  ContactBits(context, robot).separate();
+}
+
+}  // namespace cogrsim::dsl::import
