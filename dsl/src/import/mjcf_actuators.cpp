@@ -93,6 +93,10 @@ std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement
                       fmt::format("there is no drive like <{}>", source.name));
     return std::nullopt;
   }
+  if (out.mode == Mode::position && !(out.b1 < 0.0)) {
+    context_.left_out(source.at, quoted_name(source), "its gain kp is not above zero");
+    return std::nullopt;
+  }
   const std::string* dynamics = e.find("dyntype");
   const double delay = context_.number(e, "timeconst", 0.0);
   if ((dynamics != nullptr && *dynamics != "none") || delay > 0.0)
