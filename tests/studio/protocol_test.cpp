@@ -55,6 +55,7 @@ void check_table(const std::vector<ProtocolField>& fields) {
 
 TEST_CASE("the page's types are those of the table", "[studio][protocol]") {
   compare("apps/studio/web/src/core/protocol.ts", protocol_typescript());
+  compare("apps/studio/web/src/core/protocol_types.ts", protocol_types_typescript());
 }
 
 TEST_CASE("the page about the protocol has the table", "[studio][protocol]") {

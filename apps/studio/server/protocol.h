@@ -1,6 +1,6 @@
 // The protocol of page and server as data: every request with its fields and answer, every published
-// message. From it come the validation and routing of requests, web/src/core/protocol.ts, the tables of
-// ../PROTOCOL.md and the dictionary of the fuzzer.
+// message. From it come the validation and routing of requests, web/src/core/protocol.ts and
+// protocol_types.ts, the tables of ../PROTOCOL.md and the dictionary of the fuzzer.
 #pragma once
 
 #include <limits>
@@ -74,8 +74,9 @@ Result<> check_fields(const ProtocolRequest& request, Json& fields);
 Result<> check_answer(std::string_view request, const Json& answer);
 Result<> check_topic(const Json& message);
 
-/// web/src/core/protocol.ts.
+/// web/src/core/protocol.ts: topics and requests; and protocol_types.ts: what they consist of.
 std::string protocol_typescript();
+std::string protocol_types_typescript();
 /// PROTOCOL.md with its tables generated again: what stands between `<!-- table: NAME -->` and
 /// `<!-- end -->`.
 std::string protocol_markdown(const std::string& page);

@@ -18,7 +18,18 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+// Literals have their quotes.
+void add_names(const FieldType& type, FieldType::Kind kind, std::set<std::string>& out) {
+  const bool quoted = kind == FieldType::Kind::literal;
+  if (type.kind == kind) out.insert(quoted ? "\"" + type.name + "\"" : type.name);
+  for (const FieldType& part : type.parts) add_names(part, kind, out);
+}
+
 // ---- TypeScript
+
+constexpr const char* kScriptHead =
+    "// Made from the table of the protocol, server/protocol_table.cpp: see the test \"the page's "
+    "types are those\n// of the table\". In words: PROTOCOL.md.\n";
 
 std::string script_type(const char* type) { return replaced(type, "integer", "number"); }
 
@@ -122,28 +133,17 @@ std::string table_named(const std::string& name) {
 
 // ---- the fuzzer's dictionary
 
-void add_literals(const FieldType& type, std::set<std::string>& out) {
-  if (type.kind == FieldType::Kind::literal) out.insert("\"" + type.name + "\"");
-  for (const FieldType& part : type.parts) add_literals(part, out);
-}
-
 void add_fields(const std::vector<ProtocolField>& fields, std::set<std::string>& out) {
   for (const ProtocolField& field : fields) {
     out.insert("\"" + field.plain_name() + "\":");
-    add_literals(read_type(field.type), out);
+    add_names(read_type(field.type), FieldType::Kind::literal, out);
   }
 }
 
 }  // namespace
 
-std::string protocol_typescript() {
-  std::string out = fmt::format(
-      "// Made from the table of the protocol, server/protocol_table.cpp: see the test \"the "
-      "page's types "
-      "are those\n// of the table\". In words: PROTOCOL.md.\n\n"
-      "/** The protocol that this page speaks; `hello` answers the server's. */\n"
-      "export const kProtocol = {};\n",
-      kProtocol);
+std::string protocol_types_typescript() {
+  std::string out = kScriptHead;
   for (const ProtocolType& type : protocol_types()) {
     out += "\n";
     if (*type.doc) out += fmt::format("/** {} */\n", type.doc);
@@ -153,27 +153,43 @@ std::string protocol_typescript() {
       out += fmt::format("export interface {} {{\n{}}}\n", type.name,
                          script_fields(type.fields, "  "));
   }
-  out +=
-      "\n/** The messages that the server publishes unasked, by topic. */\nexport interface Topics "
-      "{\n";
+  return out;
+}
+
+std::string protocol_typescript() {
+  std::set<std::string> names;
+  const auto add = [&](const char* type) {
+    add_names(read_type(type), FieldType::Kind::named, names);
+  };
+  std::string topics;
   for (const ProtocolTopic& topic : protocol_topics()) {
-    out += fmt::format("  {}: {};\n", topic.name, topic.type);
+    topics += fmt::format("  {}: {};\n", topic.name, topic.type);
+    add(topic.type);
   }
-  out +=
-      "}\n\n/** What a page asks, with its fields and the answer's. */\nexport interface Requests "
-      "{\n";
+  std::string requests;
   for (const ProtocolRequest& request : protocol_requests()) {
-    out += fmt::format("  /** {} */\n", request.doc);
+    requests += fmt::format("  /** {} */\n", request.doc);
     const bool quoted = std::string_view(request.name).find('-') != std::string_view::npos;
-    out += fmt::format("  {0}{1}{0}: {{\n    fields: {2};\n    answer: {3};\n  }};\n",
-                       quoted ? "\"" : "", request.name, script_object(request.fields),
-                       script_object(request.answer));
+    requests += fmt::format("  {0}{1}{0}: {{\n    fields: {2};\n    answer: {3};\n  }};\n",
+                            quoted ? "\"" : "", request.name, script_object(request.fields),
+                            script_object(request.answer));
+    for (const ProtocolField& field : request.fields) add(field.type);
+    for (const ProtocolField& field : request.answer) add(field.type);
   }
-  return out +
-         "}\n\nexport type RequestName = keyof Requests;\n"
-         "export type Answer<Name extends RequestName> = Requests[Name][\"answer\"];\n"
-         "export type Hello = Answer<\"hello\">;\n"
-         "export type Paths = Answer<\"paths\">;\n";
+  return fmt::format(
+      "{}import type {{\n  {},\n}} from \"./protocol_types\";\n\n"
+      "export type * from \"./protocol_types\";\n\n"
+      "/** The protocol that this page speaks; `hello` answers the server's. */\n"
+      "export const kProtocol = {};\n\n"
+      "/** The messages that the server publishes unasked, by topic. */\n"
+      "export interface Topics {{\n{}}}\n\n"
+      "/** What a page asks, with its fields and the answer's. */\n"
+      "export interface Requests {{\n{}}}\n\n"
+      "export type RequestName = keyof Requests;\n"
+      "export type Answer<Name extends RequestName> = Requests[Name][\"answer\"];\n"
+      "export type Hello = Answer<\"hello\">;\n"
+      "export type Paths = Answer<\"paths\">;\n",
+      kScriptHead, fmt::join(names, ",\n  "), kProtocol, topics, requests);
 }
 
 std::string protocol_markdown(const std::string& page) {
