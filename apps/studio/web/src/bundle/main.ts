@@ -1,4 +1,5 @@
 // The page of a bundle: the studio for one run that came with it.
+import { messageOf } from "../core/link";
 import { MemoryLink } from "../core/memory_link";
 import { start } from "../shell/start";
 import { kWaitId } from "./names";
@@ -15,6 +16,6 @@ try {
   start(link);
   note?.remove();
 } catch (error) {
-  if (note) note.textContent = `The run cannot be shown: ${error instanceof Error ? error.message : String(error)}.`;
+  if (note) note.textContent = `The run cannot be shown: ${messageOf(error)}.`;
   throw error;
 }

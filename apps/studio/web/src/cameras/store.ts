@@ -1,6 +1,6 @@
 // Which cameras are shown, how, and where. Asks the server for just these pictures.
 import { computed, effect, signal } from "@preact/signals-core";
-import { RequestError } from "../core/link";
+import { isClosed, messageOf } from "../core/link";
 import type { Picture } from "../core/frame";
 import type { Studio } from "../core/studio";
 import { firstRect, clampedTo, pictureWidth, raised, type Rect } from "./windows";
@@ -134,10 +134,9 @@ export class CameraStore {
       () => void (this.refusal.value = ""),
       (error: unknown) => {
         // the link asks again when the connection is restored
-        const closed = error instanceof RequestError && error.failure.code === "closed";
         // to be tried again with the next scene
         this.asked = "";
-        this.refusal.value = closed || show.length === 0 ? "" : error instanceof Error ? error.message : String(error);
+        this.refusal.value = isClosed(error) || show.length === 0 ? "" : messageOf(error);
       },
     );
   }

@@ -1,5 +1,6 @@
 // The contents of the code panel: tabs for the scene and the sources beside it, their editors, problems and the build.
 import { effect } from "@preact/signals-core";
+import { messageOf } from "../core/link";
 import type { Problem } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { SchemaLoader } from "../forms/schema";
@@ -125,7 +126,7 @@ export class CodeView {
       schemas.forget();
       this.studio.services.get(TreeState).schema.value = await schemas.load();
     } catch (error) {
-      this.log.textContent = error instanceof Error ? error.message : String(error);
+      this.log.textContent = messageOf(error);
     } finally {
       this.buildButton.disabled = false;
       this.buildButton.textContent = "Build";
@@ -154,7 +155,7 @@ export class CodeView {
       source.markSaved(text, answer.version);
       this.studio.notify(`saved ${name}`);
     } catch (error) {
-      this.studio.notify(`${name} was not saved: ${error instanceof Error ? error.message : String(error)}`, "error");
+      this.studio.notify(`${name} was not saved: ${messageOf(error)}`, "error");
     }
   }
 
@@ -171,10 +172,7 @@ export class CodeView {
         this.editors.append(source.view.dom);
         source.show(this.buildProblems);
       } catch (error) {
-        this.studio.notify(
-          `${name} cannot be opened: ${error instanceof Error ? error.message : String(error)}`,
-          "error",
-        );
+        this.studio.notify(`${name} cannot be opened: ${messageOf(error)}`, "error");
         return;
       }
     }

@@ -107,17 +107,6 @@ export function apply(text: string, changes: readonly Change[]): string {
   return out + text.slice(at);
 }
 
-/** Maps a position; positions inside of a replaced piece go to its end. */
-export function mapPosition(position: number, changes: readonly Change[]): number {
-  let shift = 0;
-  for (const change of changes) {
-    if (change.from > position) break;
-    if (change.to <= position) shift += change.insert.length - (change.to - change.from);
-    else return change.from + shift + change.insert.length;
-  }
-  return position + shift;
-}
-
 /** `theirs` in positions of the text that `mine` made, when both changed the same text. Where both changed the same
  *  piece, mine stays: nothing typed is ever lost. */
 export function rebase(theirs: readonly Change[], mine: readonly Change[]): Change[] {

@@ -1,4 +1,5 @@
 import { Widget } from "@lumino/widgets";
+import { messageOf } from "../core/link";
 import type { PanelType, Studio } from "../core/studio";
 import type { CodeView } from "./code_view";
 import "./code.css";
@@ -46,7 +47,7 @@ class CodePanel extends Widget {
       this.view = new CodeView(this.studio, this.node);
       this.studio.services.get(Editors).open(this.view);
     } catch (error) {
-      this.node.textContent = `The editor cannot be loaded: ${error instanceof Error ? error.message : String(error)}`;
+      this.node.textContent = `The editor cannot be loaded: ${messageOf(error)}`;
     }
   }
 

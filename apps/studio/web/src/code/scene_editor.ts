@@ -29,7 +29,7 @@ import {
   type ViewUpdate,
 } from "@codemirror/view";
 import { effect, signal } from "@preact/signals-core";
-import { RequestError } from "../core/link";
+import { messageOf, RequestError } from "../core/link";
 import type { Studio } from "../core/studio";
 import { helpText } from "../forms/help";
 import { TreeState } from "../tree/tree_state";
@@ -148,7 +148,7 @@ export class SceneEditor {
       return { ok: true, version: answer.version };
     } catch (error) {
       const stale = error instanceof RequestError && error.failure.code === "stale";
-      return { ok: false, stale, message: error instanceof Error ? error.message : String(error) };
+      return { ok: false, stale, message: messageOf(error) };
     }
   }
 

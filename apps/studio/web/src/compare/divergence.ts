@@ -15,9 +15,8 @@ export interface Divergence {
   labels: [string, string];
 }
 
-/** From these differences on two bodies count as diverged: 1 cm, 1°. */
-export const kDivergence = 0.01;
-export const kDivergenceAngle = Math.PI / 180;
+/** From this difference on two bodies count as diverged. */
+const kDivergence = 0.01;
 
 export type Difference = "backend" | "step";
 

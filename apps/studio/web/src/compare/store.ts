@@ -1,6 +1,6 @@
 // Starts and ends comparisons, and requests the divergence of the two runs.
 import { computed, effect, signal } from "@preact/signals-core";
-import { RequestError } from "../core/link";
+import { isClosed, messageOf } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Divergence } from "./divergence";
 
@@ -52,7 +52,7 @@ export class CompareStore {
       await this.studio.link.request("compare", { backend: null, step: null, ...what });
       this.studio.openPanel("compare");
     } catch (error) {
-      this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+      this.studio.notify(messageOf(error), "error");
     } finally {
       this.busy.value = false;
     }
@@ -61,7 +61,7 @@ export class CompareStore {
     try {
       await this.studio.link.request("compare-off");
     } catch (error) {
-      this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+      this.studio.notify(messageOf(error), "error");
     }
   }
 
@@ -85,8 +85,7 @@ export class CompareStore {
       this.error.value = "";
       this.key = key;
     } catch (error) {
-      const closed = error instanceof RequestError && error.failure.code === "closed";
-      if (!closed) this.error.value = error instanceof Error ? error.message : String(error);
+      if (!isClosed(error)) this.error.value = messageOf(error);
     } finally {
       this.asking = false;
       const took = performance.now() - now;

@@ -2,6 +2,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
+import { messageOf } from "../core/link";
 import type { CurveChart } from "../figures/curve_chart";
 import { nearest } from "../figures/curves";
 import { themeColor, type FigureData } from "../figures/figure";
@@ -112,7 +113,7 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
     try {
       store.studio.notify(`saved ${await saveFigure(figure, scene, `${labels[0]}-${labels[1]}`, kind)}`);
     } catch (error) {
-      store.studio.notify(error instanceof Error ? error.message : String(error), "error");
+      store.studio.notify(messageOf(error), "error");
     }
   };
   return (

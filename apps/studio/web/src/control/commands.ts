@@ -1,6 +1,6 @@
 // Steering the run, as commands.
 import { effect } from "@preact/signals-core";
-import { RequestError, type FieldsOf } from "../core/link";
+import { isClosed, messageOf, type FieldsOf } from "../core/link";
 import type { Answer, RequestName } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
@@ -52,8 +52,7 @@ export class Control {
     try {
       return await this.studio.link.request(what, ...fields);
     } catch (error) {
-      const closed = error instanceof RequestError && error.failure.code === "closed";
-      if (!closed) this.studio.notify(error instanceof Error ? error.message : String(error), "error");
+      if (!isClosed(error)) this.studio.notify(messageOf(error), "error");
       return null;
     }
   }

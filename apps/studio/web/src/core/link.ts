@@ -8,6 +8,11 @@ export class RequestError extends Error {
   }
 }
 
+/** Of whatever was thrown. */
+export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+/** Whether a request failed because there is no connection. */
+export const isClosed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
+
 /** Left out where no field is needed. */
 export type FieldsOf<Name extends RequestName> =
   Record<string, never> extends Requests[Name]["fields"]

@@ -2,7 +2,7 @@
 import { followElements } from "./follow";
 import { batch } from "@preact/signals-core";
 import { recallHere, rememberHere } from "./key";
-import type { Link } from "./link";
+import { messageOf, type Link } from "./link";
 import { kProtocol, type RunEvent, type RunMessage } from "./protocol";
 import type { State } from "./state";
 
@@ -68,7 +68,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
           link.request("seek", { time: state.frame.value.time }).catch(() => (state.live.value = true));
         }
       },
-      (error: unknown) => failed(error instanceof Error ? error.message : String(error)),
+      (error: unknown) => failed(messageOf(error)),
     );
   });
   link.on("status", (status) => {

@@ -1,6 +1,6 @@
 // Requests the data of a figure from the run, only as much as needed.
 import { signal } from "@preact/signals-core";
-import { RequestError } from "../core/link";
+import { isClosed, messageOf } from "../core/link";
 import type { Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Curves, isThinned, type SeriesAnswer, type SeriesPart } from "./curves";
@@ -83,7 +83,7 @@ export class Feed {
     } catch (error) {
       this.key = "";
       this.nextLook = now + kPatience;
-      if (!isClosed(error)) this.error.value = error instanceof Error ? error.message : String(error);
+      if (!isClosed(error)) this.error.value = messageOf(error);
     } finally {
       this.busy = false;
     }
@@ -207,9 +207,6 @@ export class Feed {
     }
   }
 }
-
-const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-const isClosed = (error: unknown): boolean => error instanceof RequestError && error.failure.code === "closed";
 
 /** Both runs in one answer; times that only one of them has are left out. */
 export function withGhost(solid: SeriesAnswer, ghost: SeriesAnswer): SeriesAnswer {

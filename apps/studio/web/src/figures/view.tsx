@@ -2,6 +2,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
+import { messageOf } from "../core/link";
 import type { CurveChart } from "./curve_chart";
 import { nearest } from "./curves";
 import { overTime, type Feed } from "./feed";
@@ -228,7 +229,7 @@ export async function exportFigure(store: FiguresStore, id: number, kind: FileKi
     const file = await saveFigure({ ...data, title }, scene, title || kKindNames[spec.kind], kind);
     store.studio.notify(`saved ${file}`);
   } catch (error) {
-    store.studio.notify(`the figure was not saved: ${error instanceof Error ? error.message : String(error)}`, "error");
+    store.studio.notify(`the figure was not saved: ${messageOf(error)}`, "error");
   }
 }
 
@@ -256,7 +257,7 @@ function Chart(props: {
     if (!data) return;
     let gone = false;
     const fail = (error: unknown): void => {
-      failure.value = `the figure cannot be drawn: ${error instanceof Error ? error.message : String(error)}`;
+      failure.value = `the figure cannot be drawn: ${messageOf(error)}`;
     };
     const draw = async (): Promise<void> => {
       failure.value = "";

@@ -1,4 +1,5 @@
 // Edits whose failure is shown at their field, not at the edge of the window.
+import { messageOf } from "../core/link";
 import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { edit } from "../shell/editing";
@@ -11,6 +12,6 @@ export async function applyOps(studio: Studio, label: string, ops: Op[]): Promis
     // Waits while the user types faster than scenes compile.
     return { created: await edit(studio.link, studio.state, label, ops) };
   } catch (error) {
-    return { error: error instanceof Error ? error.message : String(error) };
+    return { error: messageOf(error) };
   }
 }

@@ -8,7 +8,7 @@ import { Control } from "../control/commands";
 import { notifyFaults, waitingBar } from "../control/waiting";
 import { PendingTyping } from "../code/pending";
 import { countWrong } from "../console/lines";
-import { RequestError, type Link } from "../core/link";
+import { isClosed, messageOf, type Link } from "../core/link";
 import type { Op } from "../core/protocol";
 import { Services } from "../core/services";
 import { State } from "../core/state";
@@ -120,8 +120,8 @@ export class App implements Shell {
     this.notices.show(text, kind);
   }
   fail(error: unknown): void {
-    if (error instanceof RequestError && error.failure.code === "closed") return;
-    this.notify(error instanceof Error ? error.message : String(error), "error");
+    if (isClosed(error)) return;
+    this.notify(messageOf(error), "error");
   }
   /** The server's protocol is another one than this page's. */
   renew(): void {

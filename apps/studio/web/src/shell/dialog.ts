@@ -1,4 +1,5 @@
 // Dialogs with fields, from a description.
+import { messageOf } from "../core/link";
 import type { DialogContent } from "../core/studio";
 import { openModal } from "./modal";
 
@@ -40,7 +41,7 @@ export function ask(content: DialogContent): Promise<Record<string, string> | nu
         } catch (error) {
           shown = document.createElement("p");
           shown.className = "cg-error";
-          shown.textContent = error instanceof Error ? error.message : String(error);
+          shown.textContent = messageOf(error);
         }
         // answers may overtake each other
         if (mine === asked) preview.replaceChildren(shown);

@@ -1,6 +1,6 @@
 // The page's own cursor: shows and plays past frames.
 import { signal } from "@preact/signals-core";
-import { RequestError, type Link } from "../core/link";
+import { isClosed, messageOf, type Link } from "../core/link";
 import type { State } from "../core/state";
 
 export interface Clock {
@@ -165,8 +165,8 @@ export class Playback {
 
   private fail(error: unknown): void {
     // a broken connection has its own bar, and the time is requested again when it is restored
-    if (error instanceof RequestError && error.failure.code === "closed") return;
-    this.failed(error instanceof Error ? error.message : String(error));
+    if (isClosed(error)) return;
+    this.failed(messageOf(error));
   }
 }
 

@@ -1,4 +1,5 @@
 // What can be done to elements: the commands "edit:…" and those of the tree's menu.
+import { messageOf } from "../core/link";
 import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { PendingTyping } from "../code/pending";
@@ -149,7 +150,7 @@ async function ask(studio: Studio, request: () => Promise<unknown>): Promise<voi
   try {
     await request();
   } catch (error) {
-    studio.notify(error instanceof Error ? error.message : String(error), "error");
+    studio.notify(messageOf(error), "error");
   }
 }
 

@@ -1,4 +1,5 @@
 // Mass, centre of mass and inertia of some elements' bodies, as text.
+import { messageOf } from "../core/link";
 import type { Studio } from "../core/studio";
 import { shortNumber } from "../forms/values";
 
@@ -50,7 +51,7 @@ export async function massElement(studio: Studio, elements: number[]): Promise<H
     for (const [name, value] of massLines(answer)) add(name, value);
     add("bodies", answer.bodies.join(", "));
   } catch (error) {
-    add("mass", error instanceof Error ? error.message : String(error));
+    add("mass", messageOf(error));
   }
   return root;
 }

@@ -16,8 +16,8 @@ import {
   type Intersection,
   type Texture,
 } from "three";
-import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { poseAt, writeMatrix, scaledMatrix } from "./pose";
+import type { Scene, SceneShape, Vec3 } from "../core/protocol";
+import { writeMatrix, scaledMatrix } from "./pose";
 import { box, cylinder, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
 
 /** A shape of a body, where it is drawn. */
@@ -271,10 +271,6 @@ export class Batches {
       else matrix.copy(item.mesh.matrix);
       return { geometry: item.mesh.geometry, matrix, plane: item.shape.type === "plane" };
     });
-  }
-
-  poseOf(poses: ArrayLike<number>, body: number): Pose {
-    return 7 * body + 6 < poses.length ? poseAt(poses, body) : this.scene.bodies[body]!.pose;
   }
 
   dispose(): void {

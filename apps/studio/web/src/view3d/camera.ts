@@ -65,14 +65,6 @@ export class Eye {
     this.controls.update();
   }
 
-  /** Looks at a point from as far as now. */
-  lookAt(point: Vec3): void {
-    const moved = new Vector3(...point).sub(this.controls.target);
-    this.camera.position.add(moved);
-    this.controls.target.add(moved);
-    this.controls.update();
-  }
-
   /** Turns around its target [rad], or comes nearer by a factor: for the keyboard. */
   turn(azimuth: number, elevation: number, nearer = 1): void {
     this.touched = true;

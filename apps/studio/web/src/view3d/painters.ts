@@ -1,5 +1,6 @@
 // What makes a picture: the graphics card, or without one the server.
 import { PCFShadowMap, SRGBColorSpace, WebGLRenderer, type Scene } from "three";
+import { messageOf } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Eye } from "./camera";
 import type { Highlight } from "./highlight";
@@ -96,7 +97,7 @@ export function serverPainter(studio: Studio, document: Document, failed: (text:
       await studio.link.request("view", { width, height, pose: eye.pose(), fov });
       failed("");
     } catch (error) {
-      failed(String(error instanceof Error ? error.message : error));
+      failed(messageOf(error));
     }
     waiting = false;
     if (again && !gone) void ask(again);
