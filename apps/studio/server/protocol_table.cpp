@@ -516,7 +516,7 @@ const std::vector<ProtocolType>& protocol_types() {
         {"kind", "string"},
         {"title", "string"},
         {"series?", "PlotSeriesInfo[]"}}},
-      {"FigureAxis", "", {{"label?", "string"}, {"unit?", "string"}}},
+      {"FigureAxis", "", {{"label?", "string"}, {"unit?", "string"}, {"log?", "boolean"}}},
       {"FigureSeries",
        "",
        {{"label?", "string"},

@@ -283,6 +283,7 @@ export interface PlotInfo {
 export interface FigureAxis {
   label?: string;
   unit?: string;
+  log?: boolean;
 }
 
 export interface FigureSeries {
