@@ -11,8 +11,9 @@ import {
   type Schema,
 } from "../forms/schema";
 import { printElement } from "../forms/xml_text";
+import { inverse, transform } from "../view3d/pose";
 import { colorFor, defaultAttributes, effortFor, jointEnds, kHeight, kRadius } from "./defaults";
-import { frontPosition, intoFrame, newPosition } from "./positions";
+import { frontPosition, newPosition } from "./positions";
 
 export interface InsertPlan {
   tag: string;
@@ -68,7 +69,7 @@ function positionIn(state: State, parent: number, tag: string): Vec3 {
     const pose = assembly?.pose ?? body?.pose;
     // Parts of one body may touch: it is put where the others are, one step up.
     if (body && elements[at]?.tag === "body") return [0, 0, 0];
-    if (pose) return intoFrame(pose, world).map((v) => Math.round(v * 1000) / 1000) as Vec3;
+    if (pose) return transform(inverse(pose), world).map((v) => Math.round(v * 1000) / 1000) as Vec3;
   }
   return world;
 }

@@ -4,17 +4,8 @@ import type { SceneBody, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
 import { Schema } from "../forms/schema";
 import { colorFor } from "./defaults";
-import { freePosition, frontPosition, intoFrame, rotate } from "./positions";
+import { freePosition, frontPosition } from "./positions";
 import { commonParent, insertOp, insertPlan, unassembledRobot, parentFor } from "./plan";
-
-const close = (a: readonly number[], b: readonly number[]) =>
-  a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a.join(" ")} is not ${b.join(" ")}`));
-
-test("a quarter turn about z takes x to y, and back", () => {
-  const half = Math.SQRT1_2;
-  close(rotate([0, 0, 0, half, 0, 0, half], [1, 0, 0]), [0, 1, 0]);
-  close(intoFrame([1, 0, 0, half, 0, 0, half], [1, 2, 3]), [2, 0, 3]);
-});
 
 test("new elements do not overlap existing ones", () => {
   const others = [{ centre: [0, 0, 0.5] as [number, number, number], radius: 0.3 }];

@@ -1,24 +1,7 @@
 // Positions of new elements: above the ground, beside the selection, outside of existing bodies.
-import type { Pose, Scene, SceneBody, Vec3 } from "../core/protocol";
+import type { Scene, SceneBody, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
-
-/** Rotates a vector by the quaternion (w x y z) of a pose. */
-export function rotate(pose: Pose, v: Vec3): Vec3 {
-  const [, , , w, x, y, z] = pose;
-  // v + 2 q × (q × v + w v)
-  const t: Vec3 = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])];
-  return [
-    v[0] + w * t[0] + y * t[2] - z * t[1],
-    v[1] + w * t[1] + z * t[0] - x * t[2],
-    v[2] + w * t[2] + x * t[1] - y * t[0],
-  ];
-}
-
-/** A point of the world in the frame that has this pose there. */
-export function intoFrame(pose: Pose, point: Vec3): Vec3 {
-  const inverse: Pose = [0, 0, 0, pose[3], -pose[4], -pose[5], -pose[6]];
-  return rotate(inverse, [point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]]);
-}
+import { rotate } from "../view3d/pose";
 
 export interface Round {
   centre: Vec3;

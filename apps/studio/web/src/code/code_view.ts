@@ -1,13 +1,13 @@
 // The contents of the code panel: tabs for the scene and the sources beside it, their editors, problems and the build.
 import { effect } from "@preact/signals-core";
 import { messageOf } from "../core/link";
-import type { Problem } from "../core/protocol";
+import type { Problem, SourceFile } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { SchemaLoader } from "../forms/schema";
 import { TreeState } from "../tree/tree_state";
 import { sameFile } from "./spans";
 import { SceneEditor } from "./scene_editor";
-import { SourceEditor, type SourceFile } from "./source_editor";
+import { SourceEditor } from "./source_editor";
 
 function element<K extends keyof HTMLElementTagNameMap>(
   tag: K,

@@ -7,15 +7,10 @@ import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemi
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { EditorState } from "@codemirror/state";
 import { drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
-import type { Problem } from "../core/protocol";
+import type { Problem, SourceFile } from "../core/protocol";
 import { utf16Offset } from "./columns";
 import { problemRange, sameFile } from "./spans";
 import { editorLook } from "./theme";
-
-export interface SourceFile {
-  name: string;
-  writable: boolean;
-}
 
 export class SourceEditor {
   readonly view: EditorView;

@@ -1,19 +1,9 @@
 // The texts and rows of a comparison.
 import { colorOf, type FigureData } from "../figures/figure";
 import type { Sample } from "../figures/statistics";
-import type { RunEvent } from "../core/protocol";
+import type { Answer, RunEvent } from "../core/protocol";
 
-/** The answer to `divergence`. */
-export interface Divergence {
-  /** [s] */
-  time: number[];
-  /** largest distance of two bodies of one name [m], largest turn [rad] */
-  worst: Sample[];
-  worst_angle: Sample[];
-  bodies: { name: string; distance: Sample[] }[];
-  first: { time: number; name: string } | null;
-  labels: [string, string];
-}
+export type Divergence = Answer<"divergence">;
 
 /** From this difference on two bodies count as diverged. */
 const kDivergence = 0.01;

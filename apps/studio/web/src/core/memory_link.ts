@@ -1,7 +1,8 @@
 // A Link that answers from memory: for a run that came with the page.
 import { RequestError, type Link, type Unsubscribe } from "./link";
 import type { Frame, Picture } from "./frame";
-import type { Paths, Scene, Status, Topics } from "./protocol";
+import type { Paths, Scene, Status } from "./protocol";
+import { LinkListeners, nextPicture } from "./listeners";
 import type { MemoryRun, MemorySignal } from "./memory_run";
 import { divergenceOf, poseSignals } from "./pose_signals";
 import { indexAt, lowHigh } from "./series";
@@ -10,28 +11,7 @@ import { indexAt, lowHigh } from "./series";
 const kPathsRevision = 1;
 
 type Fields = Record<string, unknown>;
-type Listener<T> = (value: T) => void;
-
-/** A set of listeners; one that fails does not keep the others from being called. */
-export class Listeners<T> {
-  private readonly all = new Set<Listener<T>>();
-
-  add(listener: Listener<T>): Unsubscribe {
-    this.all.add(listener);
-    return () => void this.all.delete(listener);
-  }
-  publish(value: T): void {
-    for (const listener of [...this.all]) {
-      try {
-        listener(value);
-      } catch (error) {
-        console.error(error);
-      }
-    }
-  }
-}
-
-export class MemoryLink implements Link {
+export class MemoryLink extends LinkListeners implements Link {
   protected readonly run: MemoryRun;
   /** index of the shown frame */
   protected at = 0;
@@ -41,11 +21,9 @@ export class MemoryLink implements Link {
   private publishedScene = -1;
   private poses: { scene: Scene | undefined; signals: MemorySignal[] } = { scene: undefined, signals: [] };
   private waiting = false;
-  private readonly frames = new Listeners<Frame>();
-  private readonly pictures = new Listeners<Picture>();
-  private readonly topics = new Map<keyof Topics, Listeners<unknown>>();
 
   constructor(run: MemoryRun) {
+    super();
     if (run.count < 1) throw new Error("a run in memory needs at least one frame");
     this.run = run;
   }
@@ -55,27 +33,12 @@ export class MemoryLink implements Link {
     await Promise.resolve();
     return (await this.answer(what, fields)) as Answer;
   }
-  on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe {
-    let listeners = this.topics.get(name);
-    if (!listeners) this.topics.set(name, (listeners = new Listeners()));
-    return listeners.add(listener as Listener<unknown>);
-  }
-  onFrame(listener: (frame: Frame) => void): Unsubscribe {
-    return this.frames.add(listener);
-  }
-  onPicture(listener: (picture: Picture) => void): Unsubscribe {
-    return this.pictures.add(listener);
-  }
   onOpen(listener: (open: boolean) => void): Unsubscribe {
     queueMicrotask(() => listener(true));
     return () => {};
   }
   asset(path: string): string {
     return this.run.assets?.[path] ?? "";
-  }
-
-  protected publish<Name extends keyof Topics>(name: Name, message: Topics[Name]): void {
-    this.topics.get(name)?.publish(message);
   }
 
   protected status(): Status {
@@ -275,10 +238,4 @@ export class MemoryLink implements Link {
 
 export function refused(message: string, help?: string, code?: string): RequestError {
   return new RequestError({ message, help, code });
-}
-
-/** Calls `then` before the browser draws next; without a browser, soon. */
-export function nextPicture(then: () => void): void {
-  if (typeof requestAnimationFrame === "function" && !document.hidden) requestAnimationFrame(then);
-  else setTimeout(then, 16);
 }

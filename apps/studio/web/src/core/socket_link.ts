@@ -1,8 +1,8 @@
 // The connection to a server: one WebSocket, opened again whenever it breaks.
 import { decodeFrame, decodePicture } from "./decode";
 import { RequestError, type Link, type Unsubscribe } from "./link";
-import { Listeners, nextPicture } from "./memory_link";
-import type { Frame, Picture } from "./frame";
+import { LinkListeners, Listeners, nextPicture } from "./listeners";
+import type { Frame } from "./frame";
 import type { Failure, Topics } from "./protocol";
 
 /** As much of a WebSocket as is needed; tests bring their own. */
@@ -41,7 +41,7 @@ const kLongestDelay = 5_000;
 /** Requests that are repeated on a new connection, the last of each. */
 const kStanding = ["subscribe", "cameras"];
 
-export class SocketLink implements Link {
+export class SocketLink extends LinkListeners implements Link {
   private socket: Socket | null = null;
   private isOpen = false;
   private delay = kFirstDelay;
@@ -51,16 +51,14 @@ export class SocketLink implements Link {
   private readonly standing = new Map<string, Record<string, unknown>>();
   /** the newest that has not been handed out */
   private newest: Frame | null = null;
-  private readonly frames = new Listeners<Frame>();
-  private readonly pictures = new Listeners<Picture>();
   private readonly opens = new Listeners<boolean>();
-  private readonly topics = new Map<string, Listeners<unknown>>();
   private readonly connect: () => Socket;
   private readonly nextPicture: (then: () => void) => void;
   /** what addresses of textures begin with */
   private assets = "";
 
   constructor(options: SocketLinkOptions = {}) {
+    super();
     const { key = "" } = options;
     this.connect = options.connect ?? (() => connectHere(key));
     this.nextPicture = options.nextPicture ?? nextPicture;
@@ -88,17 +86,6 @@ export class SocketLink implements Link {
       this.waiting.set(id, { resolve, reject, timer });
       socket.send(JSON.stringify({ ...fields, id, do: what }));
     });
-  }
-  on<Name extends keyof Topics>(name: Name, listener: (message: Topics[Name]) => void): Unsubscribe {
-    let listeners = this.topics.get(name);
-    if (!listeners) this.topics.set(name, (listeners = new Listeners()));
-    return listeners.add(listener as (message: unknown) => void);
-  }
-  onFrame(listener: (frame: Frame) => void): Unsubscribe {
-    return this.frames.add(listener);
-  }
-  onPicture(listener: (picture: Picture) => void): Unsubscribe {
-    return this.pictures.add(listener);
   }
   onOpen(listener: (open: boolean) => void): Unsubscribe {
     if (this.isOpen) queueMicrotask(() => listener(true));
@@ -150,9 +137,15 @@ export class SocketLink implements Link {
   }
 
   private takeText(text: string): void {
-    const message = JSON.parse(text) as { id?: number; ok?: boolean; error?: Failure; topic?: string; assets?: string };
+    const message = JSON.parse(text) as {
+      id?: number;
+      ok?: boolean;
+      error?: Failure;
+      topic?: keyof Topics;
+      assets?: string;
+    };
     if (typeof message.topic === "string") {
-      this.topics.get(message.topic)?.publish(message);
+      this.publish(message.topic, message as never);
       return;
     }
     const waiting = this.waiting.get(message.id ?? -1);

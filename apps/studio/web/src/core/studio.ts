@@ -6,6 +6,9 @@ import type { Op } from "./protocol";
 import type { Services } from "./services";
 import type { State } from "./state";
 
+/** Type of the data of a dragged signal: its name. */
+export const kSignalType = "application/x-cogrsim-signal";
+
 export interface Studio {
   link: Link;
   state: State;

@@ -1,26 +1,17 @@
 // Curves that grow: the samples received so far, thinned where they are too many to draw.
+import type { SeriesPart } from "../core/protocol";
 import type { Sample } from "./statistics";
 
-/** One series of the answer to `series`. */
-export interface SeriesPart {
-  signal: string;
-  unit: string;
-  low: Sample[];
-  high: Sample[];
-  /** "ghost": of the second run of a comparison, which is asked for by itself */
-  run?: string;
-}
-
-/** The answer to `series`. */
+/** An answer to `series`, or two: those of `run` "ghost" are of the second run of a comparison. */
 export interface SeriesAnswer {
   time: number[];
-  series: SeriesPart[];
+  series: (SeriesPart & { run?: string })[];
 }
 
 /** Times with the lowest and highest of every curve since the time before. */
 export class Curves {
   time: number[] = [];
-  series: SeriesPart[] = [];
+  series: SeriesAnswer["series"] = [];
 
   /** Points that are kept; beyond, neighbours are joined two by two. */
   constructor(private readonly most = 4000) {}

@@ -1,20 +1,19 @@
 // Requests the data of a figure from the run, only as much as needed.
 import { signal } from "@preact/signals-core";
 import { isClosed, messageOf } from "../core/link";
-import type { Status } from "../core/protocol";
+import type { Answer, FigureAxis, SeriesPart, Status } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { Curves, isThinned, type SeriesAnswer, type SeriesPart } from "./curves";
+import { Curves, isThinned, type SeriesAnswer } from "./curves";
 import {
   axisLabel,
   colorOf,
+  kindOf,
   shareAxes,
   type Axis,
   type FigureData,
-  type FigureKind,
   type FigureSeries,
   type FigureSpec,
 } from "./figure";
-import type { Sample } from "./statistics";
 
 /** Points of a curve: more than there are pixels side by side. */
 const kPoints = 2000;
@@ -25,16 +24,6 @@ const kCurvePause = 180;
 const kOtherPause = 1000;
 /** [ms] after a refusal. */
 const kPatience = 2000;
-
-/** The answer to `figure`. */
-interface PlotAnswer {
-  kind: string;
-  title?: string;
-  x?: Partial<Axis>;
-  y?: Partial<Axis>;
-  z?: Partial<Axis>;
-  series: { label?: string; x?: Sample[]; y?: Sample[]; z?: Sample[] }[];
-}
 
 export class Feed {
   readonly data = signal<FigureData | null>(null);
@@ -256,13 +245,11 @@ export function curveFigure(spec: FigureSpec, curves: Curves, labels: readonly s
   };
 }
 
-const kKinds: readonly string[] = ["curve", "map", "box", "histogram", "surface"];
-
 /** A plot of the scene, as the server sampled it. */
-export function fromPlot(answer: PlotAnswer): FigureData {
-  const axis = (a: Partial<Axis> | undefined): Axis => ({ label: a?.label ?? "", unit: a?.unit ?? "", log: a?.log });
+export function fromPlot(answer: Answer<"figure">): FigureData {
+  const axis = (a: FigureAxis | undefined): Axis => ({ label: a?.label ?? "", unit: a?.unit ?? "", log: a?.log });
   return {
-    kind: (kKinds.includes(answer.kind) ? answer.kind : "curve") as FigureKind,
+    kind: kindOf(answer.kind),
     title: answer.title ?? "",
     x: axis(answer.x),
     y: axis(answer.y),

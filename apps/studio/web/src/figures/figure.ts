@@ -11,6 +11,8 @@ export const kKindNames: Record<FigureKind, string> = {
   surface: "Surface",
 };
 
+export const kindOf = (name: string): FigureKind => (name in kKindNames ? (name as FigureKind) : "curve");
+
 /** What a figure shows. */
 export interface FigureSpec {
   id: number;

@@ -2,7 +2,7 @@
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
-import type { SignalInfo } from "./store";
+import type { SignalInfo } from "../core/protocol";
 
 /** More are not shown at once: type to find them. */
 const kMost = 200;

@@ -1,19 +1,9 @@
 // The figures that are open, what can be drawn, and which figure commands are about.
 import { effect, signal } from "@preact/signals-core";
+import type { PlotInfo, SignalInfo } from "../core/protocol";
 import type { Studio } from "../core/studio";
-import { kKindNames, type FigureKind, type FigureSpec } from "./figure";
+import { kindOf, kKindNames, type FigureKind, type FigureSpec } from "./figure";
 import { Feed } from "./feed";
-
-export interface SignalInfo {
-  name: string;
-  unit: string;
-  owner: string;
-}
-export interface PlotInfo {
-  name: string;
-  kind: FigureKind;
-  title: string;
-}
 
 /** How many signals a kind needs; Infinity: as many as one likes. */
 export const kSlots: Record<FigureKind, number> = {
@@ -110,7 +100,7 @@ export class FiguresStore {
       return there.id;
     }
     const plot = this.plots.value.find((p) => p.name === name);
-    return this.add(plot?.kind ?? "curve", [], plot?.title || name, name);
+    return this.add(kindOf(plot?.kind ?? ""), [], plot?.title || name, name);
   }
   remove(id: number): void {
     this.change(this.specs.value.filter((s) => s.id !== id));
@@ -173,8 +163,7 @@ export class FiguresStore {
     const { link } = this.studio;
     try {
       this.signals.value = (await link.request("signals")).signals;
-      const { plots } = await link.request("plots");
-      this.plots.value = plots.map((p) => ({ ...p, kind: p.kind in kKindNames ? (p.kind as FigureKind) : "curve" }));
+      this.plots.value = (await link.request("plots")).plots;
     } catch {
       // no list of signals, but figures show the error themselves; requested again when the panel is opened
       this.listed = "";

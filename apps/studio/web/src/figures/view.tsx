@@ -3,6 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import { messageOf } from "../core/link";
+import { kSignalType } from "../core/studio";
 import type { CurveChart } from "./curve_chart";
 import { nearest } from "./curves";
 import { overTime, type Feed } from "./feed";
@@ -23,7 +24,6 @@ import { kSlots, type FiguresStore } from "./store";
 import type { Sample } from "./statistics";
 import { shortNumber, withUnit } from "./ticks";
 
-export const kSignalType = "application/x-cogrsim-signal";
 const kKinds: FigureKind[] = ["curve", "box", "histogram", "surface", "map"];
 
 export function FiguresView({ store }: { store: FiguresStore }): JSX.Element {

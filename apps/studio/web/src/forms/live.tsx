@@ -3,6 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Frame } from "../core/frame";
+import { rollPitchYaw } from "../core/pose_signals";
 import type { Studio } from "../core/studio";
 
 /** Speed [m/s] of a body between two frames; null: it cannot be computed from them. */
@@ -11,17 +12,6 @@ export function speedBetween(before: Frame | null, now: Frame, body: number): nu
   let square = 0;
   for (let i = 0; i < 3; ++i) square += (now.poses[7 * body + i]! - before.poses[7 * body + i]!) ** 2;
   return Math.sqrt(square) / Math.abs(now.time - before.time);
-}
-
-/** Roll, pitch and yaw [deg] about fixed axes of the quaternion w x y z. */
-export function rollPitchYaw(w: number, x: number, y: number, z: number): [number, number, number] {
-  const turn = 180 / Math.PI;
-  const sine = Math.max(-1, Math.min(1, 2 * (w * y - z * x)));
-  return [
-    turn * Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-    turn * Math.asin(sine),
-    turn * Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-  ];
 }
 
 // Faster updates could not be read.
@@ -44,7 +34,8 @@ export function LiveValues({ studio, body }: { studio: Studio; body: number }): 
       shown = performance.now();
       const pose = Array.from(frame.poses.subarray(7 * body, 7 * body + 7));
       position.current!.textContent = `${fixed(pose.slice(0, 3), 3)} m`;
-      turned.current!.textContent = `${fixed(rollPitchYaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!), 1)} deg`;
+      const angles = rollPitchYaw(pose[3]!, pose[4]!, pose[5]!, pose[6]!).map((angle) => (angle * 180) / Math.PI);
+      turned.current!.textContent = `${fixed(angles, 1)} deg`;
       const fast = speedBetween(before, frame, body);
       speed.current!.textContent = fast === null ? "" : `${fast.toFixed(3)} m/s`;
       before = frame;

@@ -2,12 +2,12 @@
 import { useEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import type { Op, TreeElement } from "../core/protocol";
-import type { Studio } from "../core/studio";
+import { kSignalType, type Studio } from "../core/studio";
 import { nameChoices } from "../add/plan";
 import { Icon } from "../tree/icons";
-import { askMass, massLines } from "../tree/mass_view";
+import { massLines } from "../tree/mass_view";
 import { labelOf } from "../tree/model";
-import { kSignalType, signalLabel, TreeState } from "../tree/tree_state";
+import { signalLabel, TreeState } from "../tree/tree_state";
 import { applyOps } from "./apply";
 import { Field } from "./field";
 import { formGroups, parameterOps, plainAttribute, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
@@ -20,7 +20,7 @@ function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element |
   const key = ids.join(",");
   useEffect(() => {
     let gone = false;
-    askMass(studio, ids).then(
+    studio.link.request("mass", { elements: ids }).then(
       (answer) => !gone && setLines(answer.bodies.length > 0 ? massLines(answer) : []),
       // Planes and the like have no mass to speak of.
       () => !gone && setLines([]),

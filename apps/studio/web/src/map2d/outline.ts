@@ -2,7 +2,7 @@
 // turned when drawn.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
 import { rotationOf, type Rotation } from "../view3d/pose";
-import { shapeBounds } from "../view3d/bounds";
+import { cornersOf, shapeBounds } from "../view3d/bounds";
 
 export type Point = [number, number];
 export type Polygon = Point[];
@@ -113,13 +113,9 @@ export function planOutline(scene: Scene, shape: SceneShape, tilt: Rotation): Po
       return triangles;
     }
     case "box":
-    case "heightmap": {
-      const { low, high } = shapeBounds(scene, shape);
-      for (let i = 0; i < 8; i++) {
-        points.push(project(tilt, [i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]]));
-      }
+    case "heightmap":
+      for (const corner of cornersOf(shapeBounds(scene, shape))) points.push(project(tilt, corner));
       break;
-    }
   }
   return [convexHull(points)];
 }

@@ -1,21 +1,14 @@
 // Mass, centre of mass and inertia of some elements' bodies, as text.
 import { messageOf } from "../core/link";
+import type { Answer } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { shortNumber } from "../forms/values";
-
-export interface MassAnswer {
-  mass: number;
-  com: number[];
-  /** xx yy zz xy xz yz, about the centre of mass */
-  inertia: number[];
-  bodies: string[];
-}
 
 const list = (values: readonly (number | null)[], digits: number): string =>
   values.map((v) => (v === null ? "none" : shortNumber(Number(v.toPrecision(digits))))).join("  ");
 
 /** Name and value of each line. */
-export function massLines(answer: MassAnswer): [string, string][] {
+export function massLines(answer: Answer<"mass">): [string, string][] {
   const [xx, yy, zz, xy, xz, yz] = answer.inertia;
   const lines: [string, string][] = [
     ["mass", `${list([answer.mass], 5)} kg`],
@@ -27,10 +20,6 @@ export function massLines(answer: MassAnswer): [string, string][] {
   const products = [xy ?? 0, xz ?? 0, yz ?? 0].map((p) => (Math.abs(p) < 1e-9 * largest ? 0 : p));
   if (products.some((p) => p !== 0)) lines.push(["inertia xy xz yz", `${list(products, 4)} kg m²`]);
   return lines;
-}
-
-export function askMass(studio: Studio, elements: number[]): Promise<MassAnswer> {
-  return studio.link.request("mass", { elements });
 }
 
 /** A list of the lines, or why there is none. */
@@ -47,7 +36,7 @@ export async function massElement(studio: Studio, elements: number[]): Promise<H
     root.append(term, text);
   };
   try {
-    const answer = await askMass(studio, elements);
+    const answer = await studio.link.request("mass", { elements });
     for (const [name, value] of massLines(answer)) add(name, value);
     add("bodies", answer.bodies.join(", "));
   } catch (error) {

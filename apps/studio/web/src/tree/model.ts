@@ -1,14 +1,7 @@
 // The rows of the scene tree: which elements are shown, in which order, how deep.
-import type { TreeElement } from "../core/protocol";
+import type { SignalInfo, TreeElement } from "../core/protocol";
 
 export { elementKeys } from "../core/follow";
-
-export interface SignalInfo {
-  name: string;
-  unit: string;
-  /** dotted name */
-  owner: string;
-}
 
 export interface Row {
   /** of the element, or of the one whose signal it is */

@@ -1,8 +1,8 @@
 // What the tree panel, its commands and the other editing panels share.
 import { signal } from "@preact/signals-core";
+import type { SignalInfo } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { SchemaLoader, type Schema } from "../forms/schema";
-import type { SignalInfo } from "./model";
 
 /** Keys and signals of a studio; asks for schema and signals when there is something to ask. */
 export class TreeState {
@@ -69,7 +69,6 @@ export function startRenaming(studio: Studio, element: number): void {
   studio.services.get(TreeState).renaming.value = element;
 }
 
-export const kSignalType = "application/x-cogrsim-signal";
 /** Short name of a signal below its owner. */
 export function signalLabel(info: SignalInfo): string {
   const short = info.name.startsWith(`${info.owner}.`) ? info.name.slice(info.owner.length + 1) : info.name;

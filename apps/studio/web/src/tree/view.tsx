@@ -2,13 +2,14 @@
 import { computed, effect, signal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { JSX } from "preact";
-import type { Studio } from "../core/studio";
+import type { SignalInfo } from "../core/protocol";
+import { kSignalType, type Studio } from "../core/studio";
 import { rename } from "./commands";
 import { Icon } from "./icons";
 import { openMenu } from "./menu";
-import { elementKeys, labelOf, treeRows, typeAhead, visibleRows, type Row, type SignalInfo } from "./model";
+import { elementKeys, labelOf, treeRows, typeAhead, visibleRows, type Row } from "./model";
 import { dropOps, dropTarget, dropZone, refuseDrop, type DropZone } from "./rules";
-import { kSignalType, signalLabel, TreeState } from "./tree_state";
+import { signalLabel, TreeState } from "./tree_state";
 
 export const kRowHeight = 24;
 const kTypeAheadRest = 800;

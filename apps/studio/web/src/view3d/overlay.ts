@@ -2,13 +2,12 @@
 import { BoxGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, Quaternion } from "three";
 import type { Frame } from "../core/frame";
 import type { Pose, Scene, Vec3 } from "../core/protocol";
-import { Dots, linearColor, Lines } from "./lines";
+import { Dots, linearColor, Lines, type Rgb } from "./lines";
 import { compose, kIdentity, isFinite, poseAt, rotate, transform } from "./pose";
 import { rayEnds } from "./rays";
 import { overlays } from "./settings";
 import { dashes, type Trails } from "./trails";
 
-type Rgb = readonly [number, number, number];
 const kAxes: Rgb[] = [linearColor([0.9, 0.1, 0.1]), linearColor([0.1, 0.65, 0.1]), linearColor([0.15, 0.3, 0.95])];
 const kContact = linearColor([1.0, 0.75, 0.0]);
 /** A lidar has so many rays that only thin and pale ones leave anything to see. */
