@@ -5,6 +5,7 @@ import type { Problem, SourceFile } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { SchemaLoader } from "../forms/schema";
 import { TreeState } from "../tree/tree_state";
+import { putCursor, markProblems } from "./editor";
 import { sameFile } from "./spans";
 import { SceneEditor } from "./scene_editor";
 import { SourceEditor } from "./source_editor";
@@ -96,9 +97,10 @@ export class CodeView {
 
   async goTo(file: string, line: number, column: number): Promise<void> {
     const source = this.files.find((f) => sameFile(f.name, file));
-    await this.show(source ? source.name : kScene);
-    if (source) this.sources.get(source.name)?.goTo(line, column);
-    else this.scene.goTo(line, column);
+    const name = source?.name ?? kScene;
+    await this.show(name);
+    const editor = this.editor();
+    if (editor && this.shown === name) putCursor(editor, line, column);
   }
 
   /** Saves every changed source, then builds. */
@@ -132,7 +134,7 @@ export class CodeView {
       this.buildButton.textContent = "Build";
       this.log.scrollTop = this.log.scrollHeight;
     }
-    for (const source of this.sources.values()) source.show(this.buildProblems);
+    for (const { view, file } of this.sources.values()) markProblems(view, this.buildProblems, file.name);
     this.showProblems();
   }
 
@@ -170,7 +172,7 @@ export class CodeView {
         source.view.dom.dataset.ownHistory = "";
         this.sources.set(name, source);
         this.editors.append(source.view.dom);
-        source.show(this.buildProblems);
+        markProblems(source.view, this.buildProblems, name);
       } catch (error) {
         this.studio.notify(`${name} cannot be opened: ${messageOf(error)}`, "error");
         return;

@@ -1,8 +1,6 @@
 // The editor of the scene's text.
 import {
   autocompletion,
-  closeBrackets,
-  closeBracketsKeymap,
   completionKeymap,
   insertCompletionText,
   pickedCompletion,
@@ -10,20 +8,13 @@ import {
   type CompletionContext,
   type CompletionResult,
 } from "@codemirror/autocomplete";
-import { defaultKeymap, indentWithTab } from "@codemirror/commands";
 import { xml } from "@codemirror/lang-xml";
-import { bracketMatching, foldGutter, foldKeymap, indentOnInput } from "@codemirror/language";
-import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemirror/lint";
-import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { Annotation, Compartment, EditorState, StateEffect, StateField, type Transaction } from "@codemirror/state";
 import {
   Decoration,
-  drawSelection,
   EditorView,
-  highlightActiveLineGutter,
   hoverTooltip,
   keymap,
-  lineNumbers,
   type DecorationSet,
   type Tooltip,
   type ViewUpdate,
@@ -35,14 +26,13 @@ import { helpText } from "../forms/help";
 import { TreeState } from "../tree/tree_state";
 import { codePoints, utf16Offset } from "./columns";
 import type { Change } from "./diff";
+import { editorBasics, editorKeys, markProblems } from "./editor";
 import { TypingGroups } from "./groups";
 import { PendingTyping } from "./pending";
-import { elementAt, problemRange, sameFile, tagAround, writtenSelection } from "./spans";
+import { elementAt, tagAround, writtenSelection } from "./spans";
 import { TextSync, type SyncAnswer, type SyncSetText } from "./sync";
-import { editorLook } from "./theme";
 
 const fromServer = Annotation.define<boolean>();
-const fromPage = Annotation.define<boolean>();
 const markLines = StateEffect.define<{ from: number; to: number }[]>();
 const markedLine = Decoration.line({ class: "cg-code-selected" });
 
@@ -125,19 +115,6 @@ export class SceneEditor {
     this.view.destroy();
   }
 
-  /** Puts the cursor there; line and column (code points) from 1. */
-  goTo(line: number, column: number): void {
-    const { doc } = this.view.state;
-    const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
-    const anchor = at.from + utf16Offset(at.text, column - 1);
-    this.view.dispatch({
-      selection: { anchor },
-      effects: EditorView.scrollIntoView(anchor, { y: "center" }),
-      annotations: fromPage.of(true),
-    });
-    this.view.focus();
-  }
-
   private fileText(state: EditorState): string {
     return state.doc.sliceString(0, state.doc.length, this.lineEnd);
   }
@@ -179,20 +156,11 @@ export class SceneEditor {
     return EditorState.create({
       doc: "",
       extensions: [
-        lineNumbers(),
-        highlightActiveLineGutter(),
-        foldGutter(),
-        drawSelection(),
+        editorBasics,
         EditorState.allowMultipleSelections.of(true),
-        indentOnInput(),
-        bracketMatching(),
-        closeBrackets(),
-        highlightSelectionMatches(),
         xml(),
         EditorState.tabSize.of(2),
-        editorLook,
         marked,
-        lintGutter(),
         hoverTooltip((view, position) => this.hover(view, position)),
         autocompletion({ override: [(context) => this.complete(context)], activateOnTyping: true }),
         this.editable.of([]),
@@ -200,13 +168,8 @@ export class SceneEditor {
           { key: "Mod-z", run: () => this.run("edit:undo"), preventDefault: true },
           { key: "Mod-Shift-z", run: () => this.run("edit:redo"), preventDefault: true },
           { key: "Mod-y", run: () => this.run("edit:redo"), preventDefault: true },
-          ...closeBracketsKeymap,
           ...completionKeymap,
-          ...searchKeymap,
-          ...foldKeymap,
-          ...lintKeymap,
-          ...defaultKeymap,
-          indentWithTab,
+          ...editorKeys,
         ]),
         EditorView.updateListener.of((update) => this.updated(update)),
       ],
@@ -247,16 +210,7 @@ export class SceneEditor {
       const documentState = state.document.value;
       // Text typed since will be compiled as well; until then marks move with the text.
       if (!documentState || !this.sync.settled) return;
-      const text = this.view.state.doc.toString();
-      const diagnostics = problems
-        .filter((p) => sameFile(p.file, documentState.file))
-        .map((p): Diagnostic => ({
-          ...problemRange(text, p),
-          severity: p.severity === "note" ? "info" : p.severity,
-          message: p.help === "" ? p.message : `${p.message}\n${p.help}`,
-          source: p.code,
-        }));
-      this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
+      markProblems(this.view, problems, documentState.file);
     });
     on(() => {
       void this.calm.value;
@@ -282,7 +236,7 @@ export class SceneEditor {
   private updated(update: ViewUpdate): void {
     const own = update.transactions.filter((t) => t.docChanged && !t.annotation(fromServer));
     if (own.length > 0) this.typed(update, own);
-    const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select") && !t.annotation(fromPage));
+    const moved = update.transactions.some((t) => t.selection && t.isUserEvent("select"));
     if (moved) this.reportCursor();
   }
 

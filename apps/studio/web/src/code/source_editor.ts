@@ -1,16 +1,11 @@
 // The editor of a controller's source: a file of its own with a history of its own.
-import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { history, historyKeymap } from "@codemirror/commands";
 import { cpp } from "@codemirror/lang-cpp";
-import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
-import { lintGutter, lintKeymap, setDiagnostics, type Diagnostic } from "@codemirror/lint";
-import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { indentUnit } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
-import { drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
-import type { Problem, SourceFile } from "../core/protocol";
-import { utf16Offset } from "./columns";
-import { problemRange, sameFile } from "./spans";
-import { editorLook } from "./theme";
+import { EditorView, keymap } from "@codemirror/view";
+import type { SourceFile } from "../core/protocol";
+import { editorBasics, editorKeys } from "./editor";
 
 export class SourceEditor {
   readonly view: EditorView;
@@ -34,30 +29,13 @@ export class SourceEditor {
       state: EditorState.create({
         doc: text,
         extensions: [
-          lineNumbers(),
-          highlightActiveLineGutter(),
-          foldGutter(),
-          drawSelection(),
+          editorBasics,
           history(),
-          indentOnInput(),
           indentUnit.of("  "),
-          bracketMatching(),
-          closeBrackets(),
-          highlightSelectionMatches(),
           cpp(),
-          lintGutter(),
-          editorLook,
           EditorState.readOnly.of(!mayEdit || !file.writable),
           EditorView.contentAttributes.of({ "aria-label": file.name, tabindex: "0" }),
-          keymap.of([
-            ...closeBracketsKeymap,
-            ...searchKeymap,
-            ...historyKeymap,
-            ...foldKeymap,
-            ...lintKeymap,
-            ...defaultKeymap,
-            indentWithTab,
-          ]),
+          keymap.of([...historyKeymap, ...editorKeys]),
           EditorView.updateListener.of((update) => {
             if (update.docChanged) this.changed(this.dirty);
           }),
@@ -78,25 +56,5 @@ export class SourceEditor {
     this.version = version;
     this.saved = text;
     this.changed(this.dirty);
-  }
-
-  show(problems: readonly Problem[]): void {
-    const text = this.view.state.doc.toString();
-    const diagnostics = problems
-      .filter((p) => sameFile(p.file, this.file.name))
-      .map((p): Diagnostic => ({
-        ...problemRange(text, p),
-        severity: p.severity === "note" ? "info" : p.severity,
-        message: p.help ? `${p.message}\n${p.help}` : p.message,
-      }));
-    this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
-  }
-
-  goTo(line: number, column: number): void {
-    const { doc } = this.view.state;
-    const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
-    const anchor = at.from + utf16Offset(at.text, column - 1);
-    this.view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
-    this.view.focus();
   }
 }

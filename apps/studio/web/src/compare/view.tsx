@@ -5,7 +5,8 @@ import type { JSX } from "preact";
 import { messageOf } from "../core/link";
 import type { CurveChart } from "../figures/curve_chart";
 import { nearest } from "../figures/curves";
-import { themeColor, type FigureData } from "../figures/figure";
+import type { FigureData } from "../figures/figure";
+import { SaveButtons, Swatch } from "../figures/parts";
 import { saveFigure, type FileKind } from "../figures/save";
 import { shortNumber } from "../figures/ticks";
 import type { CompareStore } from "./store";
@@ -146,27 +147,14 @@ function Result({ store }: { store: CompareStore }): JSX.Element {
               </label>
             </span>
             <span role="group" aria-label="Save divergence as">
-              {(["png", "svg", "csv"] as FileKind[]).map((kind) => (
-                <button
-                  key={kind}
-                  type="button"
-                  aria-label={`Save divergence as ${kind.toUpperCase()}`}
-                  onClick={() => void save(kind)}
-                >
-                  {kind.toUpperCase()}
-                </button>
-              ))}
+              <SaveButtons what="divergence" save={(kind) => void save(kind)} />
             </span>
           </div>
           <DivergenceChart store={store} figure={figure} />
           <ul class="cg-legend" aria-label="Curves">
             {figure.series.map((s) => (
               <li key={s.label}>
-                <span
-                  class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`}
-                  style={{ borderColor: themeColor(s.color) }}
-                  aria-hidden="true"
-                />
+                <Swatch series={s} />
                 {s.label}
               </li>
             ))}
@@ -250,17 +238,7 @@ function DivergenceChart({ store, figure }: { store: CompareStore; figure: Figur
       tabIndex={0}
       data-testid="divergence"
       aria-label="Divergence over time: click goes to that time"
-      onKeyDown={(event) => {
-        const by = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 }[event.key];
-        if (by !== undefined) chart.current?.stepCursor(by);
-        else if (event.key === "Home") range.value = null;
-        else if (event.key === "Enter") {
-          const time = chart.current?.stepCursor(0) ?? null;
-          if (time !== null) store.studio.seek(time);
-        } else return;
-        event.preventDefault();
-        event.stopPropagation();
-      }}
+      onKeyDown={(event) => chart.current?.key(event)}
     >
       {failure.value}
     </div>

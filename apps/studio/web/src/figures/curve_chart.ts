@@ -76,8 +76,22 @@ export class CurveChart {
     this.moveLine();
   }
 
-  /** Moves the cursor by `by` samples and shows its time, for use without a mouse. */
-  stepCursor(by: number): number | null {
+  /** For use without a mouse: arrows move the cursor, Enter picks its time, Home shows all. */
+  key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const by = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 }[event.key];
+    if (by !== undefined) this.stepCursor(by);
+    else if (event.key === "Enter") {
+      const time = this.stepCursor(0);
+      if (time !== null) this.events.pick(time);
+    } else if (event.key === "Home") this.events.zoom(null);
+    else return;
+    // arrows also step the run
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  private stepCursor(by: number): number | null {
     const { plot, data } = this;
     const times = data?.series[0]?.x ?? [];
     if (!plot || times.length === 0) return null;

@@ -18,6 +18,7 @@ import {
   type FigureSpec,
 } from "./figure";
 import type { PlotlyChart } from "./plotly_chart";
+import { SaveButtons, Swatch } from "./parts";
 import { saveFigure, type FileKind } from "./save";
 import { SignalList } from "./signal_list";
 import { kSlots, type FiguresStore } from "./store";
@@ -163,16 +164,7 @@ function FigureCard({ store, spec, number }: { store: FiguresStore; spec: Figure
           </button>
         )}
         <span role="group" aria-label={`Save figure ${number} as`} class="cg-figure-save">
-          {(["png", "svg", "csv"] as FileKind[]).map((kind) => (
-            <button
-              key={kind}
-              type="button"
-              aria-label={`Save figure ${number} as ${kind.toUpperCase()}`}
-              onClick={() => void exportFigure(store, spec.id, kind)}
-            >
-              {kind.toUpperCase()}
-            </button>
-          ))}
+          <SaveButtons what={`figure ${number}`} save={(kind) => void exportFigure(store, spec.id, kind)} />
         </span>
         <button type="button" aria-label={`Close figure ${number}`} onClick={() => store.remove(spec.id)}>
           ✕
@@ -296,21 +288,6 @@ function Chart(props: {
   useEffect(() => curves.current?.setTime(looked), [looked]);
   useEffect(() => () => chart.current?.destroy(), []);
 
-  const keys = (event: KeyboardEvent): void => {
-    const chart = curves.current;
-    if (!chart || event.ctrlKey || event.altKey || event.metaKey) return;
-    const steps: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 };
-    const by = steps[event.key];
-    if (by !== undefined) chart.stepCursor(by);
-    else if (event.key === "Enter") {
-      const time = chart.stepCursor(0);
-      if (time !== null) store.studio.seek(time);
-    } else if (event.key === "Home") feed.zoom(null);
-    else return;
-    // arrows also step the run
-    event.preventDefault();
-    event.stopPropagation();
-  };
   return (
     <>
       <div
@@ -324,7 +301,7 @@ function Chart(props: {
             ? "Click goes to that time; drag zooms, a double click shows all; keys: ← → Enter Home"
             : undefined
         }
-        onKeyDown={keys}
+        onKeyDown={(event) => curves.current?.key(event)}
       />
       {failure.value && (
         <p class="cg-error" role="alert">
@@ -423,11 +400,7 @@ function Legend(props: {
         const own = spec.signals.findIndex((name) => s.label === name || s.label.startsWith(`${name} `));
         return (
           <li key={`${s.label} ${k}`}>
-            <span
-              class={`cg-swatch ${s.dashed ? "cg-dashed" : ""}`}
-              style={{ borderColor: themeColor(s.color) }}
-              aria-hidden="true"
-            />
+            <Swatch series={s} />
             <span>{s.label}</span>
             {data?.kind === "curve" && times.length > 0 && (
               <span class="cg-value">

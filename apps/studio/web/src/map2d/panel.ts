@@ -8,7 +8,7 @@ import { visibleBounds } from "../view3d/bounds";
 import { bodiesOf, clickBody, elementOf } from "../view3d/selecting";
 import { kMapLayers, mapLayers, marked, viewRequest } from "../view3d/settings";
 import { Subscription } from "../view3d/subscription";
-import { fillTools, menuButton, openContextMenu } from "../view3d/tools";
+import { fillTools, menuButton, observe, openContextMenu, toolbar } from "../view3d/tools";
 import { RunTrails } from "../view3d/trails";
 import { drawMap, enter, type Colors } from "./draw_map";
 import { FarColors } from "./far_color";
@@ -45,10 +45,7 @@ class MapWidget extends Widget {
     super();
     this.addClass("cg-map");
     const { ownerDocument: document } = this.node;
-    const row = document.createElement("div");
-    row.className = "cg-tools";
-    row.setAttribute("role", "toolbar");
-    row.setAttribute("aria-label", "Map");
+    const row = toolbar(document, "Map");
     this.stops.push(
       fillTools(studio, row, [
         [
@@ -91,23 +88,13 @@ class MapWidget extends Widget {
     if (this.stops.length > 1) return;
     const { state } = this.studio;
     const on = (run: () => void) => this.stops.push(effect(run));
-    const sizes = new ResizeObserver(() => this.resize());
-    sizes.observe(this.host);
     const look = (now: boolean) => {
-      if (now === this.visible) return;
       this.visible = now;
       openMaps.value += now ? 1 : -1;
       this.moved = true;
       this.drawSoon();
     };
-    const sight = new IntersectionObserver((entries) => look(entries.at(-1)!.isIntersecting));
-    sight.observe(this.host);
-    this.stops.push(
-      () => sizes.disconnect(),
-      () => sight.disconnect(),
-      () => look(false),
-    );
-    this.resize();
+    this.stops.push(observe(this.host, () => this.resize(), look));
     const trails = this.studio.services.get(RunTrails);
     on(() => {
       this.scene = state.scene.value;

@@ -4,7 +4,7 @@ import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
 import { registerCommands } from "./commands";
 import { openViews, kOverlays } from "./settings";
-import { fillTools, menuButton, openContextMenu } from "./tools";
+import { fillTools, menuButton, observe, openContextMenu, toolbar } from "./tools";
 import type { View3d } from "./view";
 import "./view3d.css";
 
@@ -20,10 +20,7 @@ class View3dWidget extends Widget {
     super();
     this.addClass("cg-view");
     const { ownerDocument: document } = this.node;
-    const row = document.createElement("div");
-    row.className = "cg-tools";
-    row.setAttribute("role", "toolbar");
-    row.setAttribute("aria-label", "Views, handles and overlays");
+    const row = toolbar(document, "Views, handles and overlays");
     this.stops.push(
       fillTools(studio, row, [
         [
@@ -93,23 +90,13 @@ class View3dWidget extends Widget {
       contextMenu: (event) =>
         openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
     });
-    const sizes = new ResizeObserver(() => this.view?.setSize(this.host.clientWidth, this.host.clientHeight));
-    sizes.observe(this.host);
-    // hidden behind another tab, closed, scrolled away: whatever the reason, nothing is drawn
-    let seen = false;
+    const resize = () => this.view?.setSize(this.host.clientWidth, this.host.clientHeight);
     const look = (now: boolean) => {
-      if (now === seen) return;
-      seen = now;
       openViews.value += now ? 1 : -1;
       this.view?.setVisible(now);
     };
-    const sight = new IntersectionObserver((entries) => look(entries.at(-1)!.isIntersecting));
-    sight.observe(this.host);
-    this.view.setSize(this.host.clientWidth, this.host.clientHeight);
     this.stops.push(
-      () => sizes.disconnect(),
-      () => sight.disconnect(),
-      () => look(false),
+      observe(this.host, resize, look),
       effect(() => {
         const { scene } = this.studio.state;
         this.host.toggleAttribute("aria-busy", scene.value === null);

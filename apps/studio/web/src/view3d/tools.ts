@@ -14,6 +14,35 @@ function nameOf(text: string, label: string): string {
   return said ? label : `${text}: ${label}`;
 }
 
+export function toolbar(document: Document, label: string): HTMLElement {
+  const row = document.createElement("div");
+  row.className = "cg-tools";
+  row.setAttribute("role", "toolbar");
+  row.setAttribute("aria-label", label);
+  return row;
+}
+
+/** Calls `resize` now and when the size changes, and `look` when the element comes into sight or is hidden: behind another tab,
+ *  closed, scrolled away. Returns what ends that. */
+export function observe(host: HTMLElement, resize: () => void, look: (seen: boolean) => void): () => void {
+  let seen = false;
+  const see = (now: boolean) => {
+    if (now === seen) return;
+    seen = now;
+    look(now);
+  };
+  const sizes = new ResizeObserver(resize);
+  sizes.observe(host);
+  const sight = new IntersectionObserver((entries) => see(entries.at(-1)!.isIntersecting));
+  sight.observe(host);
+  resize();
+  return () => {
+    sizes.disconnect();
+    sight.disconnect();
+    see(false);
+  };
+}
+
 /** Buttons that follow their commands: enabled, pressed. Returns what ends that. */
 export function fillTools(studio: Studio, row: HTMLElement, groups: Tool[][]): () => void {
   const { commands } = studio;
