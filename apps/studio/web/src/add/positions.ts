@@ -3,13 +3,13 @@ import type { Scene, SceneBody, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 import { rotate } from "../view3d/pose";
 
-export interface Round {
+interface Round {
   centre: Vec3;
   radius: number;
 }
 
 /** A ball around a body; null for bodies without an end or a shape: planes, grounds. */
-export function ballAround(body: SceneBody, scene: Scene): Round | null {
+function ballAround(body: SceneBody, scene: Scene): Round | null {
   let radius = 0;
   let any = false;
   for (const shape of body.shapes) {

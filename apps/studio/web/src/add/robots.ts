@@ -4,7 +4,7 @@ import type { Studio } from "../core/studio";
 import { printElement } from "../forms/xml_text";
 import { newPosition } from "./positions";
 
-export interface LibraryRobot {
+interface LibraryRobot {
   /** of its folder, its file and its instance */
   name: string;
   prototype: string;

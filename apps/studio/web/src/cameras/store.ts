@@ -24,7 +24,7 @@ interface Stored extends Rect {
   kind: PictureKind;
 }
 
-export interface CameraState {
+interface CameraState {
   shown: boolean;
   kind: PictureKind;
   /** null: has never been shown */
@@ -175,7 +175,7 @@ export class CameraStore {
 }
 
 /** What was kept; whatever is not of the right form is left out. */
-export function readStored(key: string): { cameras: Record<string, Stored>; order: string[] } {
+function readStored(key: string): { cameras: Record<string, Stored>; order: string[] } {
   const out: { cameras: Record<string, Stored>; order: string[] } = { cameras: {}, order: [] };
   try {
     const stored = JSON.parse(localStorage.getItem(key) ?? "{}") as {

@@ -7,7 +7,7 @@ export interface Rect {
   height: number;
 }
 
-export const kSmallest = { width: 140, height: 110 };
+const kSmallest = { width: 140, height: 110 };
 /** As much of a window can always be grasped. */
 const kGrasp = 48;
 

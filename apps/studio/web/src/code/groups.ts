@@ -1,6 +1,6 @@
 // Which edits of a text make one step of the history: a burst of typing, not every key.
 
-export interface TypedEdit {
+interface TypedEdit {
   /** of the clock [ms] */
   time: number;
   /** the replaced range, in positions before the edit */

@@ -1,6 +1,6 @@
 // Text typed in the code panel that the server does not have yet, for edits that begin with the server's text.
 
-export interface Typing {
+interface Typing {
   /** Sends typed text at once. */
   flush(): Promise<void>;
   /** Whether there is anything that the server does not have. */

@@ -9,7 +9,7 @@ export interface SyncSetText {
 
 export type SyncAnswer = { ok: true; version: number } | { ok: false; stale: boolean; message: string };
 
-export interface SyncEnds {
+interface SyncEnds {
   /** Asks the server. Never rejects. */
   send(fields: SyncSetText): Promise<SyncAnswer>;
   /** The editor's text now. */
@@ -25,7 +25,7 @@ export interface SyncEnds {
 }
 
 /** Typing is sent when it rests for so long [ms]. */
-export const kTypingRest = 300;
+const kTypingRest = 300;
 /** Continuous typing is sent so often [ms]: text that the server does not have is lost with the page. */
 export const kTypingMost = 800;
 // A stale version is tried again as often as other people's edits can reasonably come in between.

@@ -8,7 +8,7 @@ export type Divergence = Answer<"divergence">;
 /** From this difference on two bodies count as diverged. */
 const kDivergence = 0.01;
 
-export type Difference = "backend" | "step";
+type Difference = "backend" | "step";
 
 /** What differs between two runs, of which only labels such as "bullet" or "bullet, 1 ms" are known. */
 export function differenceOf(labels: readonly [string, string], backends: readonly string[]): Difference {
@@ -37,7 +37,7 @@ export function around(events: readonly RunEvent[], time: number, within = 0.25)
   return events.filter((e) => e.time <= time + 0.02 && e.time >= time - within).slice(-4);
 }
 
-export interface Row {
+interface Row {
   name: string;
   /** [m] at the shown time, and the most so far */
   now: Sample;

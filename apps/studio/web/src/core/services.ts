@@ -1,7 +1,7 @@
 // What the panels of one studio share: stores and the like, one of each class, made when first asked for.
 
 /** A class whose one object an owner has; `dispose`, if it is there, is called when the owner ends. */
-export type ServiceType<Owner, Service> = new (owner: Owner) => Service;
+type ServiceType<Owner, Service> = new (owner: Owner) => Service;
 
 export class Services<Owner> {
   private readonly made = new Map<ServiceType<Owner, object>, { dispose?(): void }>();

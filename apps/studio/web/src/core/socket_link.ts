@@ -16,7 +16,7 @@ export interface Socket {
   close(): void;
 }
 
-export interface SocketLinkOptions {
+interface SocketLinkOptions {
   /** what lets the page in */
   key?: string;
   connect?: () => Socket;

@@ -7,7 +7,7 @@ import { kProtocol, type RunEvent, type RunMessage } from "./protocol";
 import type { State } from "./state";
 
 /** Messages and events that the page keeps at most: the newest. */
-export const kMost = 5000;
+const kMost = 5000;
 
 /** `all` with `more` behind it, the newest `most` of them. */
 export function append<T>(all: readonly T[], more: readonly T[], most = kMost): T[] {

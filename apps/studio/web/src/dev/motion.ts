@@ -62,7 +62,7 @@ function ballHeight(t: number): number {
   return 0.06;
 }
 
-export function posesAt(t: number, slip = 0): Float32Array {
+function posesAt(t: number, slip = 0): Float32Array {
   const turn = 0.6 * t * (1 - slip);
   const radius = 0.6;
   const [c, s] = [Math.cos(turn), Math.sin(turn)];

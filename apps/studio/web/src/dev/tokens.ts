@@ -1,13 +1,13 @@
 // Elements of a text in XML, with their positions: as much of XML as the demonstration needs.
 import type { TreeElement } from "../core/protocol";
 
-export interface Placed extends TreeElement {
+interface Placed extends TreeElement {
   /** of the start tag, in the text */
   from: number;
   to: number;
 }
 
-export interface Tokens {
+interface Tokens {
   elements: Placed[];
   /** position of the first error; -1: well-formed */
   wrong: number;

@@ -4,7 +4,7 @@ import { themeColor, type FigureData } from "./figure";
 import { rangeOf, type Sample } from "./statistics";
 import { drawableRange, shortNumber, withUnit } from "./ticks";
 
-export interface CurveChartEvents {
+interface CurveChartEvents {
   /** Index of the sample under the pointer; -1: none. */
   hover(index: number): void;
   /** A click at a time [s]. */

@@ -212,14 +212,14 @@ function seriesOf(fields: Partial<FigureSeries>): FigureSeries {
   return { label: "", unit: "", color: colorOf(0), dashed: false, axis: 0, x: [], y: [], z: [], ...fields };
 }
 
-export function emptyFigure(spec: FigureSpec): FigureData {
+function emptyFigure(spec: FigureSpec): FigureData {
   const none = { label: "", unit: "" };
   const x = spec.kind === "curve" ? { label: "time", unit: "s" } : none;
   return { kind: spec.kind, title: spec.title, x, y: none, z: none, series: [] };
 }
 
 /** Curves with two axes where units differ. `labels`: of the solid and the dashed run of a comparison. */
-export function curveFigure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
+function curveFigure(spec: FigureSpec, curves: Curves, labels: readonly string[] | null): FigureData {
   const time = curves.time.slice();
   const shared = shareAxes(curves.series.map((s) => s.unit));
   const names = (axis: 0 | 1): string =>

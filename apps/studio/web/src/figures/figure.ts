@@ -62,7 +62,7 @@ export interface FigureData {
 }
 
 /** The theme's colours of series on white, which are those on paper, too. */
-export const kColors = ["#0b5cad", "#b3541e", "#1b7a3d", "#8a2fa8", "#a3241c", "#00707a", "#6d6100", "#4a5568"];
+const kColors = ["#0b5cad", "#b3541e", "#1b7a3d", "#8a2fa8", "#a3241c", "#00707a", "#6d6100", "#4a5568"];
 export const colorOf = (index: number): string => kColors[index % kColors.length]!;
 /** The same colour in the present theme, as CSS. */
 export const themeColor = (color: string): string => `var(--cg-series-${Math.max(kColors.indexOf(color), 0) + 1})`;

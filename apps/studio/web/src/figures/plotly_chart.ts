@@ -4,13 +4,13 @@ import type { Sample } from "./statistics";
 import { withUnit } from "./ticks";
 
 /** Colours of text, lines and series. */
-export interface ChartColors {
+interface ChartColors {
   text: string;
   grid: string;
   ground: string;
   series(color: string): string;
 }
-export const kPrintColors: ChartColors = { text: "#000", grid: "#ddd", ground: "#fff", series: (color) => color };
+const kPrintColors: ChartColors = { text: "#000", grid: "#ddd", ground: "#fff", series: (color) => color };
 
 let cartesian: Promise<PlotlyBundle> | null = null;
 let solid: Promise<PlotlyBundle> | null = null;
@@ -97,11 +97,11 @@ export async function surfacePng(data: FigureData, width: number, height: number
 }
 
 /** Plotly reads tags and entities in texts: they are to be seen as they are. */
-export function plain(text: string): string {
+function plain(text: string): string {
   return text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
 }
 
-export function drawing(
+function drawing(
   data: FigureData,
   colors: ChartColors,
   webglWorks: boolean,

@@ -6,7 +6,7 @@ import { drawableRange, logTicks, shortNumber, tickLabels, ticks, withUnit } fro
 const kFont = 13;
 /** Width of a text in the figure's font, about: 0.55 of its height per letter is on the wide side for Helvetica. */
 const textWidth = (text: string): number => text.length * kFont * 0.55;
-export const escapeXml = (text: string): string =>
+const escapeXml = (text: string): string =>
   text
     // control characters are no XML at all
     .replace(/[^\t\n\r -\uffff]/g, "")
@@ -305,7 +305,7 @@ function equalScales(x: Scale, y: Scale, area: Area): [Scale, Scale] {
 }
 
 /** Dark blue over green to yellow, as light rises with the value: readable in grey, too. */
-export function shade(part: number): string {
+function shade(part: number): string {
   const stops: [number, number, number][] = [
     [59, 15, 112],
     [50, 80, 140],

@@ -326,7 +326,7 @@ function themeColors(host: HTMLElement): { text: string; grid: string; ground: s
 const lastOf = (values: readonly Sample[]): Sample => values[values.length - 1] ?? null;
 
 /** As text, for users who cannot see it. */
-export function summary(data: FigureData | null): string {
+function summary(data: FigureData | null): string {
   if (!data || data.series.length === 0) return "nothing is drawn yet";
   switch (data.kind) {
     case "curve":

@@ -4,7 +4,7 @@ import type { Op } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { edit } from "../shell/editing";
 
-export type Applied = { created: number[] } | { error: string };
+type Applied = { created: number[] } | { error: string };
 
 /** One step of the history, made of the text that the tree shows. Done when the tree shows the outcome. */
 export async function applyOps(studio: Studio, label: string, ops: Op[]): Promise<Applied> {

@@ -6,7 +6,7 @@ import type { AttributeSchema } from "./schema";
 import { helpText } from "./help";
 import { hexColor } from "./values";
 
-export interface FieldProps {
+interface FieldProps {
   spec: AttributeSchema;
   /** as it stands in the file; "": it does not */
   text: string;

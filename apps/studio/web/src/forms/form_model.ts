@@ -6,13 +6,13 @@ import { boxesOf, textFrom } from "./number_model";
 import type { AttributeSchema, PluginSchema, PluginUse, Schema } from "./schema";
 import { escapeAttribute, startTag } from "./xml_text";
 
-export interface FormField {
+interface FormField {
   spec: AttributeSchema;
   text: string;
   mixed: boolean;
 }
 
-export interface FormGroup {
+interface FormGroup {
   title: string;
   fields: FormField[];
 }
@@ -132,7 +132,7 @@ export function setEntries(
   return ops;
 }
 
-export interface PluginForm {
+interface PluginForm {
   use: PluginUse;
   plugin: PluginSchema;
   fields: FormField[];
@@ -173,7 +173,7 @@ export function parameterOps(
   return [{ op: "insert", parent: id, xml: `<set ${parameter}="${escapeAttribute(value)}"/>`, before: null }];
 }
 
-export interface ElementProblems {
+interface ElementProblems {
   /** by attribute */
   fields: Map<string, Problem>;
   /** of the element's own tag, not of what is inside it */

@@ -3,7 +3,7 @@ import type { AttributeSchema } from "./schema";
 import { shortNumber } from "./values";
 
 /** "≥ 0 m, ≤ 5 m" of what may be entered. */
-export function rangeText(spec: AttributeSchema): string {
+function rangeText(spec: AttributeSchema): string {
   const unit = spec.units.length === 1 && spec.units[0] !== "" && spec.units[0] !== "1" ? ` ${spec.units[0]}` : "";
   const parts: string[] = [];
   if (spec.min !== null) parts.push(`${spec.aboveMin ? ">" : "≥"} ${shortNumber(spec.min)}${unit}`);

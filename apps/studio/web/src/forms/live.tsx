@@ -7,7 +7,7 @@ import { rollPitchYaw } from "../core/pose_signals";
 import type { Studio } from "../core/studio";
 
 /** Speed [m/s] of a body between two frames; null: it cannot be computed from them. */
-export function speedBetween(before: Frame | null, now: Frame, body: number): number | null {
+function speedBetween(before: Frame | null, now: Frame, body: number): number | null {
   if (!before || before.scene !== now.scene || before.time === now.time) return null;
   let square = 0;
   for (let i = 0; i < 3; ++i) square += (now.poses[7 * body + i]! - before.poses[7 * body + i]!) ** 2;

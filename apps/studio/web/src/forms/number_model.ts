@@ -17,7 +17,7 @@ import {
 // Longer lists (heights of a ground) are better typed as text.
 const kMostBoxes = 8;
 
-export interface Boxes {
+interface Boxes {
   /** what each box shows; "" in all: the attribute is not there */
   boxes: string[];
   placeholders: string[];
@@ -27,7 +27,7 @@ export interface Boxes {
   units: string[];
 }
 
-export function dimensionOf(spec: AttributeSchema, entry: number): string {
+function dimensionOf(spec: AttributeSchema, entry: number): string {
   if (spec.perEntry) return spec.units[entry] ?? "";
   return spec.units.length === 1 ? spec.units[0]! : "";
 }
@@ -77,7 +77,7 @@ function unitFor(spec: AttributeSchema, parts: ValueParts | null, shown: ValuePa
   return (!parts && shown?.unit) || (dimension === "rad" ? "deg" : dimension || (offered[0] ?? ""));
 }
 
-export type FromBoxes = { text: string | null } | { error: string; box: number };
+type FromBoxes = { text: string | null } | { error: string; box: number };
 
 /** The text for what stands in the boxes; null: all are empty, the attribute goes. Boxes left empty among others take
  *  the default's entry, or 0. */

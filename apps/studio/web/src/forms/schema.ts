@@ -2,7 +2,7 @@
 import type { TreeElement } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
-export type AttributeKind =
+type AttributeKind =
   | "name"
   | "reference"
   | "references"
@@ -41,7 +41,7 @@ export interface AttributeSchema {
   wants: string;
 }
 
-export interface ElementSchema {
+interface ElementSchema {
   name: string;
   group: string;
   doc: string;
@@ -69,7 +69,7 @@ const textOf = (value: unknown): string => (typeof value === "string" ? value : 
 const listOf = <T>(value: unknown): T[] => (Array.isArray(value) ? (value as T[]) : []);
 const numberOf = (value: unknown): number | null => (typeof value === "number" && isFinite(value) ? value : null);
 
-export function readAttribute(raw: Loose): AttributeSchema {
+function readAttribute(raw: Loose): AttributeSchema {
   return {
     name: textOf(raw.name),
     kind: (textOf(raw.kind) || "text") as AttributeKind,

@@ -141,7 +141,7 @@ export function convert(entry: Entry, dimension: string, unit: string): Entry | 
   return { text: shortNumber((value * from) / to), unit };
 }
 
-export interface Bounds {
+interface Bounds {
   min: number | null;
   max: number | null;
   aboveMin: boolean;

@@ -1,6 +1,6 @@
 // Finds elements and attributes in XML text by where they begin. Offsets are UTF-16, as in JavaScript's strings.
 
-export interface AttributeSpan {
+interface AttributeSpan {
   name: string;
   /** of name, "=" and value with its quotes */
   from: number;

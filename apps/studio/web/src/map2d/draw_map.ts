@@ -21,21 +21,21 @@ export interface Colors {
 
 type Rgb = readonly [number, number, number, number];
 
-export function css(color: Rgb, darker = 1): string {
+function css(color: Rgb, darker = 1): string {
   const part = (v: number) => Math.round(255 * Math.min(1, Math.max(0, v * darker)));
   return `rgb(${part(color[0])} ${part(color[1])} ${part(color[2])} / ${color[3]})`;
 }
 
 const kOutline = 0.45; // how much darker an outline is than what is inside
 
-export interface Layers {
+interface Layers {
   rays: boolean;
   trails: boolean;
   names: boolean;
   regions: boolean;
 }
 
-export interface MapPicture {
+interface MapPicture {
   context: CanvasRenderingContext2D;
   sheet: Sheet;
   /** device pixels per CSS pixel */

@@ -33,7 +33,7 @@ interface Kept extends Item {
 /** So little tilt [rad] changes an outline by less than a pixel on any screen. */
 const kSameTilt = 1e-4;
 
-export function pathOf(polygons: [number, number][][]): Path2D {
+function pathOf(polygons: [number, number][][]): Path2D {
   const path = new Path2D();
   for (const polygon of polygons) {
     polygon.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));

@@ -4,11 +4,11 @@ import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
 import { rotationOf, type Rotation } from "../view3d/pose";
 import { cornersOf, shapeBounds } from "../view3d/bounds";
 
-export type Point = [number, number];
+type Point = [number, number];
 export type Polygon = Point[];
 
 /** A polygon of n corners around a circle leaves it by 1 - cos(pi / n) of the radius: 0.05 % here. */
-export const kCorners = 102;
+const kCorners = 102;
 
 /** Where "up" of the world points in the shape's frame. */
 export function upIn(pose: Pose): Vec3 {

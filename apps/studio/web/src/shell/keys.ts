@@ -37,7 +37,7 @@ const kInText = new Set(["edit:save", "help:palette"]);
 /** Keys that the code editor, whose text is the scene's, leaves to the one history. */
 const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"]);
 
-export type Surroundings = "page" | "text" | "code" | "control" | "tab";
+type Surroundings = "page" | "text" | "code" | "control" | "tab";
 
 /** Whether a key that is bound to `command` may act while the focus is there. `key`: as of the event. */
 export function mayFire(command: string, key: string, where: Surroundings): boolean {
@@ -49,7 +49,7 @@ export function mayFire(command: string, key: string, where: Surroundings): bool
   return true;
 }
 
-export function surroundings(target: EventTarget | null): Surroundings {
+function surroundings(target: EventTarget | null): Surroundings {
   if (!(target instanceof Element)) return "page";
   // an editor of another file has a history of its own
   if (target.closest(".cm-editor")) return target.closest("[data-own-history]") ? "text" : "code";

@@ -1,6 +1,6 @@
 // Modal windows inside the page: they own the focus, Escape closes them, and the focus goes back where it was.
 
-export interface Modal {
+interface Modal {
   node: HTMLElement;
   close(): void;
 }

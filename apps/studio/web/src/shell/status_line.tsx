@@ -14,7 +14,7 @@ const kStates: Record<string, string> = {
 };
 
 /** The lines of the table of a run's provenance. */
-export function provenanceRows(p: Provenance): [string, string][] {
+function provenanceRows(p: Provenance): [string, string][] {
   const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim" };
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [

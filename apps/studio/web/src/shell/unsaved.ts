@@ -5,7 +5,7 @@ import type { DocumentState, UnsavedOffer } from "../core/protocol";
 import { download } from "./download";
 import type { Shell } from "./shell";
 
-export interface Lost {
+interface Lost {
   text: string;
   file: string;
 }

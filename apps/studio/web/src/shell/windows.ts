@@ -17,7 +17,7 @@ type Message =
   | { cogrsim: "call"; name: "openPanel" | "goTo" | "drawSignal" | "notify"; values: (string | number)[] }
   | { cogrsim: "hello" };
 
-export interface Others {
+interface Others {
   /** Calls in the main window what a popped-out one cannot do. */
   call(name: "openPanel" | "goTo" | "drawSignal" | "notify", values: (string | number)[]): void;
   cursor(live: boolean, time: number): void;

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals-core";
 import { isClosed, messageOf, type Link } from "../core/link";
 import type { State } from "../core/state";
 
-export interface Clock {
+interface Clock {
   /** [s] */
   now(): number;
   /** Calls back before the next picture; answers how to call it off. */

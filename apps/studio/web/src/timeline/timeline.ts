@@ -226,7 +226,7 @@ export class Timeline {
   }
 }
 
-export function eventText(event: RunEvent): string {
+function eventText(event: RunEvent): string {
   return event.message || [event.kind, event.subject].filter(Boolean).join(" ");
 }
 

@@ -33,7 +33,7 @@ export function labelOf(element: TreeElement): string {
 }
 
 /** Whether every word of the search is in the tag, the name, the dotted name or an attribute's value. */
-export function matches(element: TreeElement, words: readonly string[]): boolean {
+function matches(element: TreeElement, words: readonly string[]): boolean {
   const text = `${element.tag} ${element.name} ${element.path} ${Object.values(element.attributes).join(" ")}`;
   const low = text.toLowerCase();
   return words.every((word) => low.includes(word));

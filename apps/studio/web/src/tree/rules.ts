@@ -5,7 +5,7 @@ import { childrenLists, isInside, topMost } from "./model";
 
 export type DropZone = "before" | "into" | "after";
 
-export interface DropTarget {
+interface DropTarget {
   parent: number;
   /** null: last */
   before: number | null;

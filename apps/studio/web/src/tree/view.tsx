@@ -11,7 +11,7 @@ import { elementKeys, labelOf, treeRows, typeAhead, visibleRows, type Row } from
 import { dropOps, dropTarget, dropZone, refuseDrop, type DropZone } from "./rules";
 import { signalLabel, TreeState } from "./tree_state";
 
-export const kRowHeight = 24;
+const kRowHeight = 24;
 const kTypeAheadRest = 800;
 const kElementType = "application/x-cogrsim-elements";
 

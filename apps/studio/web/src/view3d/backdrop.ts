@@ -69,7 +69,7 @@ void main() {
 }`;
 
 /** Distance of the finer lines [m]: a power of ten, at least a thirtieth of the visible extent. */
-export function gridCell(distance: number): number {
+function gridCell(distance: number): number {
   return 10 ** Math.ceil(Math.log10(Math.max(distance, 1e-4) / 30));
 }
 

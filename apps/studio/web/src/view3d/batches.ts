@@ -31,7 +31,7 @@ interface Item {
   index: number;
 }
 
-export interface BatchOptions {
+interface BatchOptions {
   /** address of a texture */
   asset: (path: string) => string;
   /** called when a texture has come */

@@ -7,7 +7,7 @@ import { topAssembly } from "./trails";
 
 const kMost = 80;
 
-export interface Label {
+interface Label {
   text: string;
   body: number;
   /** above the body's origin [m] */
@@ -15,7 +15,7 @@ export interface Label {
 }
 
 /** One for each top-level assembly and for each body outside of any; what moves first. Planes have none. */
-export function labelsOf(scene: Scene): Label[] {
+function labelsOf(scene: Scene): Label[] {
   const seen = new Set<number>();
   const out: (Label & { moves: boolean })[] = [];
   scene.bodies.forEach((body, i) => {

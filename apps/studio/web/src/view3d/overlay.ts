@@ -17,7 +17,7 @@ const kCentre = linearColor([0.95, 0.85, 0.1]);
 
 /** Unit directions of the axes of a joint, world. Of a universal joint: x of the parent's frame, y of the child's.
  * Of a gimbal: x of the parent's frame, z of the child's, and the one at right angles to both. */
-export function jointAxes(type: string, parent: Pose, child: Pose): Vec3[] {
+function jointAxes(type: string, parent: Pose, child: Pose): Vec3[] {
   switch (type) {
     case "hinge":
     case "slider":

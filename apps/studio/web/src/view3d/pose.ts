@@ -18,7 +18,7 @@ export function isFinite(pose: ArrayLike<number>): boolean {
 }
 
 /** Of a quaternion that need not be of unit length; one of length 0 means no rotation. */
-export function rotation(w: number, x: number, y: number, z: number): Rotation {
+function rotation(w: number, x: number, y: number, z: number): Rotation {
   const n = w * w + x * x + y * y + z * z;
   const s = n > 0 ? 2 / n : 0;
   return [

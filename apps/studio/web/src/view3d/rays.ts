@@ -3,7 +3,7 @@ import type { Frame } from "../core/frame";
 import type { Scene, Vec3 } from "../core/protocol";
 import { compose, isFinite, poseAt, transform } from "./pose";
 
-export interface Ray {
+interface Ray {
   from: Vec3;
   /** where the reading says the ray ended, or its full range [m] */
   to: Vec3;

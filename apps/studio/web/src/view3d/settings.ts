@@ -13,7 +13,7 @@ export const kOverlays = [
   "regions",
   "names",
 ] as const;
-export type OverlayName = (typeof kOverlays)[number];
+type OverlayName = (typeof kOverlays)[number];
 
 export const kOverlayLabels: Record<OverlayName, string> = {
   grid: "Grid",

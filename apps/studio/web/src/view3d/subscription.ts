@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
 
-export interface Needs {
+interface Needs {
   readings: boolean;
   contacts: boolean;
 }

@@ -2,12 +2,12 @@
 // u to the right, v upwards on the surface seen from outside; the picture repeats beyond 0 to 1.
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
 
-export type Uv = [number, number];
+type Uv = [number, number];
 
 /** Extent of one copy of the picture on the surface [m]; null: one copy over the whole face. */
-export type Tile = Uv | null;
+type Tile = Uv | null;
 
-export function tileOf(shape: SceneShape): Tile {
+function tileOf(shape: SceneShape): Tile {
   const [u, v] = shape.tile ?? [0, 0];
   return u > 0 && v > 0 ? [u, v] : null;
 }

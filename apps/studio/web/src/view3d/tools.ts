@@ -2,7 +2,7 @@
 import { Menu } from "@lumino/widgets";
 import type { Studio } from "../core/studio";
 
-export interface Tool {
+interface Tool {
   command: string;
   /** short, on the button; the command's own label and caption are its name and tip */
   text: string;

@@ -5,7 +5,7 @@ import type { Paths, Scene, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { mapLayers, overlays } from "./settings";
 
-export interface Trail {
+interface Trail {
   label: string;
   /** name of the body */
   name: string;
@@ -37,7 +37,7 @@ export function topAssembly(scene: Scene, assembly: number): number {
 }
 
 /** Index of the first time after `time`. */
-export function countUntil(times: number[], time: number): number {
+function countUntil(times: number[], time: number): number {
   let low = 0;
   let high = times.length;
   while (low < high) {

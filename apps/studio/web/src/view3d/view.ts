@@ -21,7 +21,7 @@ import { RunTrails } from "./trails";
 import type { ViewName } from "./views";
 
 /** The options that the panel gives the view. */
-export interface Stand {
+interface Stand {
   host: HTMLElement;
   /** One note for each topic; "": none. */
   note: (matter: "pictures" | "server" | "clicked" | "handles", text: string) => void;

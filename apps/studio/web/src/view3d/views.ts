@@ -6,7 +6,7 @@ export const kViews = ["front", "back", "left", "right", "top", "bottom", "iso"]
 export type ViewName = (typeof kViews)[number];
 
 /** Horizontal field of view [rad]. */
-export const kFieldOfView = 0.8;
+const kFieldOfView = 0.8;
 const kMargin = 1.05;
 /** Straight down or up leaves open where the picture's top is; this little aside settles it. */
 const kAside = 1e-4;
