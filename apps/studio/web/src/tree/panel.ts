@@ -6,7 +6,7 @@ import type { PanelType, Studio } from "../core/studio";
 import { PreactWidget } from "../forms/preact_widget";
 import { registerEditCommands } from "./commands";
 import { TreePanel } from "./tree_panel";
-import { TreeModel } from "./view";
+import { TreeModel } from "./tree_model";
 import "./tree.css";
 
 export const panel: PanelType = {

@@ -4,8 +4,9 @@ import { insert, kTools } from "../add/commands";
 import type { Studio } from "../core/studio";
 import { Icon } from "./icons";
 import { openInsertMenu } from "./menu";
+import { TreeModel } from "./tree_model";
 import { TreeState } from "./tree_state";
-import { TreeModel, TreeView } from "./view";
+import { TreeView } from "./view";
 
 function Tools({ studio }: { studio: Studio }): JSX.Element | null {
   const ready = studio.state.mayEdit.value && studio.services.get(TreeState).schema.value !== null;
