@@ -1,6 +1,5 @@
 // Made from the table of the protocol, server/protocol_table.cpp: see the test "the page's types are those
 // of the table". In words: PROTOCOL.md.
-
 import type {
   BodyDistance,
   CameraWish,
