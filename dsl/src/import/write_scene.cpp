@@ -771,8 +771,9 @@ class SceneWriter {
         continue;
       }
       const double length = s.length.value_or((rest[a] * at_a->X.p - rest[b] * at_b->X.p).norm());
-      *body_ += fmt::format("    <spring name=\"{}\" between=\"{} {}\" stiffness=\"{} N/m\"",
-                            s.name, s.ends[0], s.ends[1], s.stiffness);
+      *body_ += fmt::format("    <spring name=\"{}\" between=\"{}.{} {}.{}\" stiffness=\"{} N/m\"",
+                            s.name, robot_.links[a].name, s.ends[0], robot_.links[b].name,
+                            s.ends[1], s.stiffness);
       if (s.damping > 0.0) *body_ += fmt::format(" damping=\"{} N*s/m\"", s.damping);
       *body_ +=
           fmt::format(" length=\"{} m\"{}/>\n", length, s.pulls_only ? " cable=\"true\"" : "");
