@@ -33,7 +33,7 @@ def try_out(env: cg.VectorEnv, gains: Floats, seed: int) -> Floats:
     return steps
 
 
-def main(engines: list[str], judge: str, picture: str | None) -> int:
+def main(engines: list[str], judge: str, picture: str) -> int:
     # Each seed has its own pole and its own start.
     scenes = [cg.compile(SCENE, seed=seed) for seed in range(2 * CARTS)]
     carts = cg.VectorEnv(scenes[:CARTS], CARTS, actions=ACTIONS, observations=OBSERVATIONS, done=DONE,
@@ -52,15 +52,13 @@ def main(engines: list[str], judge: str, picture: str | None) -> int:
                           backends=[judge], frame_skip=SKIP, duration=1e6)
     kept = int((try_out(judges, np.tile(mean, (CARTS, 1)), seed=10**6) == STEPS).sum())
     print(f"learned on {' and '.join(engines)}; on {judge} {kept} of {CARTS} new carts keep their poles up")
-    if picture is not None:
-        import matplotlib.pyplot as plt
-
-        plt.plot(range(1, GENERATIONS + 1), curve)
-        plt.xlabel("generation")
-        plt.ylabel("decisions until the pole falls, mean of 64 carts")
-        plt.savefig(picture)
+    figure = cg.figure({"mean": (range(1, GENERATIONS + 1), curve)}, x="generation",
+                       y=f"decisions until the pole falls, mean of {CARTS} carts",
+                       format="png" if picture.endswith(".png") else "svg")
+    figure.save(picture, overwrite=True)
+    print(f"learning curve: {picture}")
     return 0 if kept >= 0.9 * CARTS else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main(["bullet", "mujoco"], "ode", sys.argv[1] if len(sys.argv) > 1 else None))
+    sys.exit(main(["bullet", "mujoco"], "ode", sys.argv[1] if len(sys.argv) > 1 else "learning_curve.svg"))

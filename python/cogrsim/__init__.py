@@ -81,7 +81,7 @@ def render(frame, view="iso", *, width=640, height=480, fov=0.0, shadows=True, d
 _LATE = {"SceneBuilder": "builder", "SceneElement": "builder", "VectorEnv": "env", "Env": "env",
          "compare": "comparison", "Comparison": "comparison", "Divergence": "comparison",
          "Picture": "tools", "Page": "tools", "test": "tools", "sweep": "tools", "plot": "tools",
-         "map": "tools", "bundle": "tools"}
+         "figure": "tools", "map": "tools", "bundle": "tools"}
 
 
 def __getattr__(name):
@@ -98,9 +98,15 @@ def __dir__():
     return sorted(set(globals()) | set(_LATE))
 
 
-for _class in list(globals().values()):
-    if isinstance(_class, type) and _class.__module__ == "cogrsim._cogrsim":
+def _no_pickle(self, protocol):
+    raise TypeError(f"a {type(self).__name__} cannot be pickled or copied; frames never change, and a run is saved by "
+                    "Simulation.save() or save_bytes()")
+
+
+for _class in list(vars(_c).values()):
+    if isinstance(_class, type):
         _class.__module__ = "cogrsim"
+        _class.__reduce_ex__ = _no_pickle  # that of object makes an instance of pybind11's base, which aborts
 del _class
 
 __all__ = [name for name in __dir__() if not name.startswith("_")]

@@ -197,6 +197,7 @@ class SceneBuilder(SceneElement):
 
     @property
     def path(self):
+        """Dotted name of the scene itself: ''."""
         return ""
 
     def _source(self):

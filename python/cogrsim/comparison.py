@@ -24,20 +24,31 @@ class Divergence:
                     into[key] = numpy.array(entry[kind]["curve"])
 
     def plot(self, axes=None, most=8):
-        """Draw the `most` largest distances over time with matplotlib; returns the axes."""
-        import matplotlib.pyplot
+        """Draw the `most` largest distances over time.
 
+        Returns the axes of matplotlib, `axes` or new ones; where matplotlib is not installed, a Picture.
+        """
+        worst = sorted(self.position, key=lambda key: -self.position[key].max(initial=0.0))[:whole("most", most)]
+        curves = {f"{name}, {other}": (self.times[:len(curve)], curve)
+                  for name, other in worst for curve in [self.position[name, other]]}
+        labels = ("time [s]", f"distance to {self.reference} [m]")
         if axes is None:
+            try:
+                import matplotlib.pyplot
+            except ImportError:
+                from .tools import figure
+                return figure(curves, x=labels[0], y=labels[1])
             axes = matplotlib.pyplot.subplots()[1]
-        worst = sorted(self.position, key=lambda key: -self.position[key].max(initial=0.0))[:most]
-        for name, other in worst:
-            curve = self.position[name, other]
-            axes.plot(self.times[:len(curve)], curve, label=f"{name}, {other}")
-        axes.set_xlabel("time [s]")
-        axes.set_ylabel(f"distance to {self.reference} [m]")
-        if worst:
+        for label, curve in curves.items():
+            axes.plot(*curve, label=label)
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1])
+        if curves:
             axes.legend()
         return axes
+
+    def __repr__(self):
+        return f"<Divergence from {self.reference}: {len(self.position)} curves, {len(self.times)} times>"
 
 
 class Comparison:

@@ -2,8 +2,10 @@
 
 import csv
 import json
+import math
 import os
 import tempfile
+from collections.abc import Mapping
 
 from . import _cogrsim
 from ._errors import Error
@@ -22,9 +24,9 @@ class Picture:
         self.kind = one_of("kind", kind, _KINDS)
         self.data = of_type("data", data, bytes, "bytes")
 
-    def save(self, path):
-        """Write it to a file. Raises FileExistsError, OSError."""
-        with open(os.fspath(path), "xb") as file:
+    def save(self, path, *, overwrite=False):
+        """Write it to a file. Raises FileExistsError: it exists and overwrite is False; OSError."""
+        with open(os.fspath(path), "wb" if overwrite else "xb") as file:
             file.write(self.data)
 
     def _repr_mimebundle_(self, include=None, exclude=None):
@@ -40,9 +42,9 @@ class Page:
     def __init__(self, html, height=520):
         self.html, self.height = text("html", html), whole("height", height)
 
-    def save(self, path):
-        """Write it to a file. Raises FileExistsError, OSError."""
-        with open(os.fspath(path), "x", encoding="utf-8") as file:
+    def save(self, path, *, overwrite=False):
+        """Write it to a file. Raises FileExistsError: it exists and overwrite is False; OSError."""
+        with open(os.fspath(path), "w" if overwrite else "x", encoding="utf-8") as file:
             file.write(self.html)
 
     def _repr_html_(self):
@@ -182,6 +184,39 @@ def plot(source, y=(), *, x=None, z=None, kind=None, title=None, plot=None, ever
     return Picture(format, _made(arguments, "figure." + format, _bytes))
 
 
+def figure(series, *, x="", y="", title="", format="svg"):
+    """A figure of curves from arrays: a Picture.
+
+    series: pairs of arrays (times, values), (n,) each, by the label of the curve; NaN leaves a gap. x, y: labels of
+    the axes, with units: "time [s]". Raises TypeError, ValueError: no arrays of numbers, or of other lengths;
+    Error: no gnuplot.
+    """
+    import numpy
+
+    one_of("format", format, _KINDS)
+    curves = []
+    for label, pair in of_type("series", series, Mapping, "a dict of pairs of arrays by label").items():
+        place = f"series[{label!r}]"
+        pair = entries(place, pair, "two arrays")
+        try:
+            arrays = [numpy.asarray(one, dtype=float) for one in pair]
+        except (TypeError, ValueError) as error:
+            raise TypeError(f"{place}: expected two arrays of numbers, (n,) each; {error}") from None
+        if len(arrays) != 2 or arrays[0].ndim != 1 or arrays[0].shape != arrays[1].shape:
+            raise ValueError(f"{place}: expected two arrays of the shape (n,), given the shapes "
+                             f"{', '.join(str(one.shape) for one in arrays)}")
+        columns = [[v if math.isfinite(v) else None for v in one.tolist()] for one in arrays]
+        curves.append({"label": text("series", label, "labels that are texts"), "x": columns[0], "y": columns[1]})
+    data = {"format": "cogrsim-figure", "version": 1, "kind": "curve", "name": "figure",
+            "title": text("title", title), "x": {"label": text("x", x)}, "y": {"label": text("y", y)},
+            "series": curves}
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "data.json")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(data, file)
+        return Picture(format, _made(["plot", path], "figure." + format, _bytes))
+
+
 def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=None, plugin_path=(), format="svg"):
     """The plan view of a scene or recording with the robots' paths, at the time `at` [s]: a Picture.
 
@@ -206,5 +241,5 @@ def bundle(source, *, backend=None, duration=None, every=None, set=None, plugin_
     return Page(_made(arguments, "run.html", _text), height)
 
 
-for _thing in (Picture, Page, test, sweep, plot, map, bundle):
+for _thing in (Picture, Page, test, sweep, plot, figure, map, bundle):
     _thing.__module__ = "cogrsim"

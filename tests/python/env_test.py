@@ -13,6 +13,15 @@ from support import CART, ENGINES, YARD, Case, main
 OPTIONS = {"actions": ["cart.push"], "observations": ["cart.rail.position", "cart.pivot.position"],
            "done": "abs(cart.pivot.position) gt 20 deg", "reward": "1 - abs(cart.pivot.position) / 1 rad"}
 
+#: A ball of another mass in every episode, which a force pushes for 10 ms.
+DRAWN = """<scene name="drawn" version="1">
+  <physics backend="cogrsim" step="1 ms" duration="0.01 s" gravity="0 0 0"/>
+  <sphere name="ball" radius="10 cm" mass="1 kg"/>
+  <force on="ball" force="1 0 0"/>
+  <randomize what="ball.mass" by="uniform(0.5, 2)"/>
+</scene>
+"""
+
 
 def carts(n=4, **options):
     return cg.VectorEnv(cg.compile(CART), n, **{**OPTIONS, **options})
@@ -108,12 +117,7 @@ class Vector(Case):
                 env.reset(seed=seed)
 
     def test_values_drawn_for_each_episode(self):
-        scene = cg.compile_string('''<scene name="drawn" version="1">
-          <physics backend="cogrsim" step="1 ms" duration="0.01 s" gravity="0 0 0"/>
-          <sphere name="ball" radius="10 cm" mass="1 kg"/>
-          <force on="ball" force="1 0 0"/>
-          <randomize what="ball.mass" by="uniform(0.5, 2)"/>
-        </scene>''')
+        scene = cg.compile_string(DRAWN)
         env = cg.VectorEnv(scene, 3, observations=["ball.vx"])
         ends = []
         for _ in range(2):
@@ -223,6 +227,29 @@ class Single(Case):
         self.assertLess(abs(again[1]), math.radians(6))
         with self.assertRaisesRegex(ValueError, "shape"):
             env.step(np.zeros(2))
+
+    def test_values_drawn_for_each_episode(self):
+        scene = cg.compile_string(DRAWN)
+        env = cg.Env(scene, observations=["ball.vx"])
+
+        def episodes():
+            speeds = []
+            for seed in (5, None, None, 6):
+                env.reset(seed=seed)
+                terminated = truncated = False
+                while not (terminated or truncated):
+                    observation, _, terminated, truncated, _ = env.step(np.zeros(0))
+                speeds.append(observation[0])
+            return speeds
+
+        speeds = episodes()
+        self.assertEqual(len(set(speeds)), 4)
+        self.assertEqual(speeds, episodes())
+        for seed, speed in ((5, speeds[0]), (6, speeds[3])):
+            sim = cg.Simulation(scene, seed=seed)
+            self.assertEqual(speed, sim.run_until(0.01)["ball"].vx)
+            # The impulse of 10 ms, rounded in each step.
+            self.assertAlmostEqual(speed, 0.01 / sim.drawn["ball.mass"], delta=1e-12)
 
     def test_checkers_of_gymnasium(self):
         try:

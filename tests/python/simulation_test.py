@@ -3,6 +3,7 @@
 import contextlib
 import gc
 import io
+import pickle
 import unittest
 import unittest.mock
 import warnings
@@ -276,6 +277,13 @@ class Observers(Case):
         sim.step()
         self.assertEqual(len(seen), 6)
         self.assertIn("in the middle of a step", seen[0])
+
+    def test_nothing_is_pickled(self):
+        sim = cg.Simulation(cg.compile_string(YARD))
+        for thing in (sim, sim.frame, sim.scene, sim.save(), sim.frame["ball"], cg.VectorEnv(sim.scene, 1)):
+            for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+                with self.assertRaisesRegex(TypeError, "cannot be pickled"):
+                    pickle.dumps(thing, protocol)
 
     def test_deleting_in_any_order(self):
         sim = yard()

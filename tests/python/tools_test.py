@@ -54,6 +54,22 @@ class Tools(Case):
         with self.assertRaisesRegex(cg.Error, "bal"):
             cg.plot(path, "bal.z")
 
+    def test_figure_of_arrays(self):
+        picture = cg.figure({"up": ([0, 1, 2], [1.0, float("nan"), 3.0])}, x="update", y="height [m]", title="Learning")
+        for text in (b"update", b"height [m]", b"Learning"):
+            self.assertIn(text, picture.data)
+        path = self.folder / "up.png"
+        cg.figure({"up": (range(3), range(3))}, format="png").save(path)
+        self.assertEqual(path.read_bytes()[:4], b"\x89PNG")
+        with self.assertRaises(FileExistsError):
+            picture.save(path)
+        picture.save(path, overwrite=True)
+        self.assertEqual(path.read_bytes(), picture.data)
+        for series, text in ((None, "dict"), ({"up": 1}, "two arrays"), ({"up": (["a"], ["b"])}, "numbers"),
+                             ({"up": ([1], [1, 2])}, r"\(1,\), \(2,\)"), ({1: ([1], [2])}, "texts")):
+            with self.assertRaisesRegex((TypeError, ValueError), text):
+                cg.figure(series)
+
     def test_page(self):
         page = cg.bundle(self.record())
         self.assertIn("<html", page.html[:2000])
