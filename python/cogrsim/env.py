@@ -19,8 +19,6 @@ except ImportError:
     _VectorBase = _Base = object
     _SAME_STEP = "SameStep"
 
-_NONE, _DONE, _TIME, _STOPPED, _FAULT, _DIVERGED = range(6)  # EpisodeEnd
-
 
 def _action_space(scene, names):
     low, high = [], []
@@ -153,13 +151,10 @@ class VectorEnv(_VectorBase):
         "message" of each, and the masks _final_obs and _final_info.
         """
         self._fresh = False
-        self._batch.step(actions, self.frame_skip)
-        codes = self._batch.end_codes()
-        rewards = self._batch.rewards()
-        truncated = codes == _TIME
-        ended = codes != _NONE
+        observations, rewards, terminated, truncated, any_ended = self._batch.advance(actions, self.frame_skip)
         infos = {}
-        if ended.any():
+        if any_ended:
+            ended = terminated | truncated
             final = self._batch.final_observations()
             names = self._batch.ends()
             obs = numpy.full(self.num_envs, None, dtype=object)
@@ -172,7 +167,7 @@ class VectorEnv(_VectorBase):
             infos = {"final_obs": obs, "_final_obs": ended,
                      "final_info": {"end": end, "_end": ended, "message": message, "_message": ended},
                      "_final_info": ended}
-        return self._batch.observations(), rewards, ended & ~truncated, truncated, infos
+        return observations, rewards, terminated, truncated, infos
 
     def frame(self, world):
         """The present Frame of a world."""
@@ -255,14 +250,12 @@ class Env(_Base):
         action = numpy.asarray(action)
         if action.shape != self.action_space.shape:
             raise ValueError(f"action: expected the shape {self.action_space.shape}, given {action.shape}")
-        self._batch.step(action[numpy.newaxis], self.frame_skip)
-        code = int(self._batch.end_codes()[0])
-        self._ended = code != _NONE
+        observations, rewards, terminated, truncated, self._ended = self._batch.advance(
+            action[numpy.newaxis], self.frame_skip)
         info = {}
         if self._ended:
             info = {"end": self._batch.ends()[0], "message": self._batch.end_message(0)}
-        return (self._batch.observations()[0], float(self._batch.rewards()[0]),
-                self._ended and code != _TIME, code == _TIME, info)
+        return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), info
 
     def render(self):
         """An image: (height, width, 3) uint8."""

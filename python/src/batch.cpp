@@ -168,6 +168,29 @@ py::object observations(PyBatch& self) {
   return copy_of(table.data(), table.rows(), table.cols());
 }
 
+template <class T, class Test>
+py::array_t<T> of_worlds(const std::vector<EpisodeEnd>& ends, Test&& test) {
+  py::array_t<T> out(static_cast<py::ssize_t>(ends.size()));
+  std::transform(ends.begin(), ends.end(), out.mutable_data(), test);
+  return out;
+}
+
+/// Steps, and gives (observations, rewards, terminated, truncated, whether any episode has ended).
+py::tuple advance_worlds(PyBatch& self, const py::object& actions, int steps) {
+  step(self, actions, steps);
+  const py::object seen = observations(self);
+  const Use use(self);
+  const std::vector<EpisodeEnd>& ends = self.batch->ends();
+  const std::vector<double>& rewards = self.batch->rewards();
+  return py::make_tuple(
+      seen, py::array_t<double>(static_cast<py::ssize_t>(rewards.size()), rewards.data()),
+      of_worlds<bool>(
+          ends, [](EpisodeEnd end) { return end != EpisodeEnd::none && end != EpisodeEnd::time; }),
+      of_worlds<bool>(ends, [](EpisodeEnd end) { return end == EpisodeEnd::time; }),
+      std::any_of(ends.begin(), ends.end(),
+                  [](EpisodeEnd end) { return end != EpisodeEnd::none; }));
+}
+
 }  // namespace
 
 void bind_batch(py::module_& m) {
@@ -177,6 +200,7 @@ void bind_batch(py::module_& m) {
            py::arg("step"), py::arg("threads"), py::arg("seeds"), py::arg("duration"),
            py::arg("auto_reset"), py::arg("missing"))
       .def("step", &step, py::arg("actions"), py::arg("steps"))
+      .def("advance", &advance_worlds, py::arg("actions"), py::arg("steps"))
       .def("reset", &reset, py::arg("seeds"), py::arg("worlds"))
       .def("observe_into", &observe_into, py::arg("buffer"))
       .def("observations", &observations)
@@ -192,26 +216,12 @@ void bind_batch(py::module_& m) {
              const Batch::Table table = s.batch->actions();
              return copy_of(table.data(), table.rows(), table.cols());
            })
-      .def("rewards",
-           [](PyBatch& s) {
-             const Use use(s);
-             const std::vector<double>& all = s.batch->rewards();
-             return py::array_t<double>(static_cast<py::ssize_t>(all.size()), all.data());
-           })
       .def("ends",
            [](PyBatch& s) {
              const Use use(s);
              std::vector<const char*> out;
              for (const EpisodeEnd end : s.batch->ends()) out.push_back(to_string(end));
              return out;
-           })
-      .def("end_codes",
-           [](PyBatch& s) {
-             const Use use(s);
-             std::vector<std::uint8_t> out;
-             for (const EpisodeEnd end : s.batch->ends())
-               out.push_back(static_cast<std::uint8_t>(end));
-             return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(out.size()), out.data());
            })
       .def("end_message",
            [](PyBatch& s, int world) {
