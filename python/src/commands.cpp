@@ -85,6 +85,8 @@ void set_state(Session& session, const py::object& frame, const py::object& posi
   if (frame.is_none()) {
     const Use use(session);
     command.state = session.simulation->frame()->state;
+  } else if (!py::isinstance<PyFrame>(frame)) {
+    throw py::type_error("frame: expected a Frame, given " + type_name(frame));
   } else {
     command.state = frame.cast<PyFrame>().frame->state;
   }

@@ -7,7 +7,10 @@ namespace cogrsim::python {
 
 void raise(const char* type, const std::string& text, const std::vector<Diagnostic>& diagnostics) {
   const py::object cls = py::module_::import("cogrsim._errors").attr(type);
-  PyErr_SetObject(cls.ptr(), cls(text, py::cast(diagnostics)).ptr());
+  // It may quote bytes of a file that are no UTF-8.
+  const auto shown = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+  PyErr_SetObject(cls.ptr(), cls(shown, py::cast(diagnostics)).ptr());
   throw py::error_already_set();
 }
 
@@ -19,6 +22,19 @@ void raise(const Error& error) {
 
 void raise(const char* type, const std::vector<Diagnostic>& diagnostics) {
   raise(type, dsl::to_text(diagnostics), diagnostics);
+}
+
+std::string type_name(const py::handle& value) {
+  return py::type::handle_of(value).attr("__name__").cast<std::string>();
+}
+
+std::string text_of(const py::handle& given, const std::string& name) {
+  if (!py::isinstance<py::str>(given))
+    throw py::type_error(name + ": expected a text, given " + type_name(given));
+  py::ssize_t size = 0;
+  const char* const text = PyUnicode_AsUTF8AndSize(given.ptr(), &size);
+  if (text == nullptr) throw py::error_already_set();  // a ValueError: half of a surrogate pair
+  return {text, static_cast<std::size_t>(size)};
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -95,7 +111,10 @@ std::string exception_text(py::error_already_set& error) {
 }
 
 std::string path_of(const py::object& path) {
-  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+  const auto bytes = py::module_::import("os").attr("fsencode")(path).cast<std::string>();
+  if (bytes.find('\0') != std::string::npos)
+    throw py::value_error("path: expected one without a zero byte");
+  return bytes;
 }
 
 namespace {
@@ -114,7 +133,9 @@ py::array_t<double> numbers(const py::object& given, const std::string& name,
                             std::initializer_list<py::ssize_t> shape) {
   py::array array;
   try {
-    array = py::module_::import("numpy").attr("asarray")(given).cast<py::array>();
+    array = py::isinstance<py::array>(given)
+                ? py::reinterpret_borrow<py::array>(given)
+                : py::module_::import("numpy").attr("asarray")(given).cast<py::array>();
   } catch (py::error_already_set& error) {
     throw py::type_error(name + ": expected an array of numbers of the shape " + shape_text(shape) +
                          "; " + py::str(error.value()).cast<std::string>());

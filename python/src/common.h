@@ -74,7 +74,11 @@ void interrupted();
 /// interrupted(), and the result is then empty.
 std::string exception_text(py::error_already_set& error);
 
-/// A path as text; accepts str and os.PathLike.
+std::string type_name(const py::handle& value);
+/// A text in UTF-8. Raises TypeError, ValueError.
+std::string text_of(const py::handle& given, const std::string& name);
+
+/// A path as text; accepts str, bytes and os.PathLike. Raises TypeError, ValueError.
 std::string path_of(const py::object& path);
 
 /// An array of numbers as float64 in C order, after a check of its type and shape. A size of -1

@@ -86,7 +86,7 @@ void bind_frame(py::module_& m) {
       .def_readonly("kind", &Event::kind, "'enter', 'added', 'fault', …")
       .def_readonly("source", &Event::source, "Dotted name of the element that caused it")
       .def_readonly("subject", &Event::subject, "Dotted name of the affected element; '': none")
-      .def_readonly("message", &Event::message)
+      .def_readonly("message", &Event::message, "Further text; may be ''")
       .def("__repr__", [](const Event& e) {
         return fmt::format("<Event {} at {:.6g} s: {}{}{}>", e.kind, e.time, e.source,
                            e.subject.empty() ? "" : " ", e.subject);

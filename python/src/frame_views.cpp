@@ -18,7 +18,9 @@ struct Element {
 };
 
 double quantity(const Element& e, const std::string& what) {
-  return parse_signal(scope_of(*e.frame), e.name + "." + what).evaluate(*e.frame);
+  const auto signal = Signal::parse(scope_of(*e.frame), e.name + "." + what);
+  if (!signal) throw py::attribute_error(e.kind + " '" + e.name + "': " + signal.error().text());
+  return signal->evaluate(*e.frame);
 }
 
 py::object triple(const Element& e, const char* const (&quantities)[3]) {
@@ -53,12 +55,7 @@ py::object angular_velocity(const Element& e) {
 }
 
 py::object orientation(const Element& e) {
-  if (e.body < 0) {
-    throw py::attribute_error(
-        e.kind + " '" + e.name +
-        "' has no orientation here; roll, pitch and yaw are signals of bodies, "
-        "assemblies and frames");
-  }
+  if (e.body < 0) throw py::attribute_error("orientation");  // attribute() gives the reason
   const Quat& q = e.frame->state.poses[e.body].q;
   return owned({q.w(), q.x(), q.y(), q.z()}, {4});
 }
@@ -66,9 +63,7 @@ py::object orientation(const Element& e) {
 py::object attribute(const Element& e, const std::string& name) {
   // numpy, IPython and pickle ask for many names with underscores.
   if (!name.empty() && name[0] == '_') throw py::attribute_error(name);
-  const auto signal = Signal::parse(scope_of(*e.frame), e.name + "." + name);
-  if (!signal) throw py::attribute_error(e.kind + " '" + e.name + "': " + signal.error().text());
-  return py::float_(signal->evaluate(*e.frame));
+  return py::float_(quantity(e, name));
 }
 
 /// A reading with the frame that owns it.
@@ -165,12 +160,17 @@ angular_velocity: (3,) [rad/s]; orientation: (4,) w x y z, of a body.
 All other attributes are the quantities of signals: x y z roll pitch yaw vx vy vz speed wx wy wz spin of a
 body, assembly or named frame; position velocity effort of a joint; effort of a motor; the channels of a
 sensor; the outputs of a controller. NaN: no value. AttributeError: no such quantity.)")
-      .def_readonly("name", &Element::name)
+      .def_readonly("name", &Element::name, "Dotted name")
       .def_readonly("kind", &Element::kind, "'body', 'assembly', 'frame', 'joint', 'motor', …")
-      .def_property_readonly("position", &position)
-      .def_property_readonly("velocity", &velocity)
-      .def_property_readonly("angular_velocity", &angular_velocity)
-      .def_property_readonly("orientation", &orientation)
+      .def_property_readonly("position", &position,
+                             "(3,) float64 [m], of a body a view; of a joint a number [rad] or [m]")
+      .def_property_readonly(
+          "velocity", &velocity,
+          "(3,) float64 [m/s], of a body a view; of a joint a number [rad/s] or [m/s]")
+      .def_property_readonly("angular_velocity", &angular_velocity,
+                             "(3,) float64 [rad/s], of a body a view; AttributeError: of a joint")
+      .def_property_readonly("orientation", &orientation,
+                             "(4,) float64 w x y z, of a body; AttributeError: of another element")
       .def("__getattr__", &attribute)
       .def("__repr__", [](const Element& e) {
         return fmt::format("<{} '{}' at {:.6g} s>", e.kind, e.name, e.frame->time);
@@ -179,8 +179,11 @@ sensor; the outputs of a controller. NaN: no value. AttributeError: no such quan
   py::class_<PyReading>(m, "Reading", R"(The latest measurement of one sensor; immutable.
 
 reading['distance'] is the value of a channel; values, the array of all.)")
-      .def_property_readonly("name", [](const PyReading& r) { return r.sensor().name; })
-      .def_property_readonly("type", [](const PyReading& r) { return r.sensor().type; })
+      .def_property_readonly(
+          "name", [](const PyReading& r) { return r.sensor().name; }, "Dotted name of the sensor")
+      .def_property_readonly(
+          "type", [](const PyReading& r) { return r.sensor().type; },
+          "Kind of the sensor, such as 'lidar', or the name of its plugin")
       .def_property_readonly(
           "time", [](const PyReading& r) { return r->time; }, "Time of the measured frame [s]")
       .def_property_readonly(
@@ -189,7 +192,9 @@ reading['distance'] is the value of a channel; values, the array of all.)")
       .def_property_readonly(
           "valid", [](const PyReading& r) { return r->valid; },
           "False: no measurement yet, switched off, or dropped out")
-      .def_property_readonly("enabled", [](const PyReading& r) { return r->enabled; })
+      .def_property_readonly(
+          "enabled", [](const PyReading& r) { return r->enabled; },
+          "Whether the sensor is switched on")
       .def_property_readonly("channels", &channel_names, "Names of the values, in order")
       .def_property_readonly(
           "units",

@@ -1,6 +1,8 @@
 // The robot of a controller: motors, sensors, parameters.
 #include "handles.h"
 
+#include <fmt/format.h>
+
 #include "cogrsim/control/controller.h"
 #include "frame.h"
 #include "rendering.h"
@@ -71,10 +73,12 @@ void bind_handles(py::module_& m) {
   py::class_<Tick>(m, "Tick", "Timing of an update.")
       .def_readonly("time", &Tick::time, "Time of the measured frame [s]")
       .def_readonly("period", &Tick::period, "Time since the previous update [s]")
-      .def_readonly("count", &Tick::count, "Number of previous updates");
+      .def_readonly("count", &Tick::count, "Number of previous updates")
+      .def("__repr__",
+           [](const Tick& t) { return fmt::format("<Tick {} at {:.6g} s>", t.count, t.time); });
 
   py::class_<PyMotor>(m, "Motor", "A motor of a robot, for its controller.")
-      .def_readonly("name", &PyMotor::name)
+      .def_readonly("name", &PyMotor::name, "Name inside the assembly")
       .def(
           "set",
           [](PyMotor& self, double target) {
@@ -85,26 +89,37 @@ void bind_handles(py::module_& m) {
           "Set the target from the next step on, in the unit of the mode; clamped to the limits. A "
           "value\n"
           "that is not finite is a fault.")
-      .def_property_readonly("target", [](const PyMotor& s) { return s.get().target(); })
+      .def_property_readonly(
+          "target", [](const PyMotor& s) { return s.get().target(); },
+          "The present target, in the unit of the mode")
       .def_property_readonly(
           "effort", [](const PyMotor& s) { return s.get().effort(); },
           "Mean during the last step [N m] or [N]")
       .def_property_readonly(
           "mode", [](const PyMotor& s) { return to_string(s.get().mode()); },
           "'velocity', 'torque', 'position', 'servo' or 'dc'")
-      .def_property_readonly("max_speed", [](const PyMotor& s) { return s.get().max_speed(); })
-      .def_property_readonly("max_effort", [](const PyMotor& s) { return s.get().max_effort(); })
-      .def_property_readonly("valid", [](const PyMotor& s) { return s.get().valid(); })
+      .def_property_readonly(
+          "max_speed", [](const PyMotor& s) { return s.get().max_speed(); },
+          "[rad/s] or [m/s]; inf: no limit")
+      .def_property_readonly(
+          "max_effort", [](const PyMotor& s) { return s.get().max_effort(); },
+          "[N m] or [N]; inf: no limit")
+      .def_property_readonly(
+          "valid", [](const PyMotor& s) { return s.get().valid(); },
+          "False: the assembly has no such motor, or it was removed")
       .def_property_readonly(
           "joint_position", [](const PyMotor& s) { return s.assembly.joint_position(s.get()); },
           "Position of the driven joint axis at the end of the last step [rad] or [m]")
       .def_property_readonly(
           "joint_velocity", [](const PyMotor& s) { return s.assembly.joint_velocity(s.get()); },
-          "[rad/s] or [m/s]");
+          "Speed of that axis [rad/s] or [m/s]")
+      .def("__repr__", [](const PyMotor& s) { return "<Motor '" + s.name + "'>"; });
 
   py::class_<PySensor>(m, "SensorHandle", "A sensor of a robot, for its controller.")
-      .def_readonly("name", &PySensor::name)
-      .def_property_readonly("valid", [](const PySensor& s) { return s.get().valid(); })
+      .def_readonly("name", &PySensor::name, "Name inside the assembly")
+      .def_property_readonly(
+          "valid", [](const PySensor& s) { return s.get().valid(); },
+          "False: no measurement yet, switched off, dropped out, or there is no such sensor")
       .def_property_readonly(
           "time", [](const PySensor& s) { return s.get().time(); },
           "Time of the measured frame [s]")
@@ -141,13 +156,15 @@ void bind_handles(py::module_& m) {
             s.get();
             s.handle.enable(on);
           },
-          py::arg("on") = true, "Switch the sensor on or off.");
+          py::arg("on") = true, "Switch the sensor on or off.")
+      .def("__repr__", [](const PySensor& s) { return "<SensorHandle '" + s.name + "'>"; });
 
   py::class_<PyAssembly>(m, "Robot", R"(The assembly of a controller, for configure() and update().
 
 A name that does not exist does not raise: the errors are collected, and loading the scene fails with all of
 them. Usable only inside the calls of the controller.)")
-      .def_property_readonly("name", [](PyAssembly& s) { return robot(s).name(); })
+      .def_property_readonly(
+          "name", [](PyAssembly& s) { return robot(s).name(); }, "Dotted name of the assembly")
       .def(
           "motor",
           [](PyAssembly& s, const std::string& name) {
@@ -160,11 +177,17 @@ them. Usable only inside the calls of the controller.)")
             return PySensor{s.assembly, robot(s).any_sensor(name), s.gate, name};
           },
           py::arg("name"), "A sensor by its name inside the assembly.")
-      .def_property_readonly("motors", [](PyAssembly& s) { return robot(s).motor_names(); })
-      .def_property_readonly("sensors", [](PyAssembly& s) { return robot(s).sensor_names(); })
+      .def_property_readonly(
+          "motors", [](PyAssembly& s) { return robot(s).motor_names(); },
+          "Names of all motors, as motor() accepts them")
+      .def_property_readonly(
+          "sensors", [](PyAssembly& s) { return robot(s).sensor_names(); },
+          "Names of all sensors, as sensor() accepts them")
       .def("parameter", &parameter, py::arg("name"),
            "Value of a declared parameter, in SI units. Raises KeyError.")
-      .def_property_readonly("scene_folder", [](PyAssembly& s) { return robot(s).scene_folder(); })
+      .def_property_readonly(
+          "scene_folder", [](PyAssembly& s) { return robot(s).scene_folder(); },
+          "Folder of the scene file, for files that a parameter names; '' for a text")
       .def(
           "publish",
           [](PyAssembly& s, const std::string& output, double value) {
@@ -182,7 +205,11 @@ them. Usable only inside the calls of the controller.)")
       .def(
           "fail", [](PyAssembly& s, const std::string& message) { robot(s).fail(message); },
           py::arg("message"),
-          "Report an error of the scene, in configure(): loading fails with it.");
+          "Report an error of the scene, in configure(): loading fails with it.")
+      .def("__repr__", [](const PyAssembly& s) {
+        return s.gate->open ? "<Robot '" + s.assembly.name() + "'>"
+                            : std::string("<Robot, outside the calls of its controller>");
+      });
 }
 
 }  // namespace cogrsim::python

@@ -69,11 +69,11 @@ void bind_import(py::module_& m) {
       .def_property_readonly(
           "fidelity", [](const dsl::ImportEntry& e) { return dsl::fidelity_name(e.fidelity); },
           "'exact', 'approximate' or 'left out'")
-      .def_readonly("element", &dsl::ImportEntry::element)
-      .def_readonly("message", &dsl::ImportEntry::message)
-      .def_readonly("file", &dsl::ImportEntry::file)
-      .def_readonly("line", &dsl::ImportEntry::line)
-      .def_readonly("column", &dsl::ImportEntry::column)
+      .def_readonly("element", &dsl::ImportEntry::element, "Kind and name, such as \"joint 'arm'\"")
+      .def_readonly("message", &dsl::ImportEntry::message, "What differs; '': nothing")
+      .def_readonly("file", &dsl::ImportEntry::file, "Path of the source")
+      .def_readonly("line", &dsl::ImportEntry::line, "From 1; 0: unknown")
+      .def_readonly("column", &dsl::ImportEntry::column, "From 1; 0: unknown")
       .def("__repr__", [](const dsl::ImportEntry& e) {
         return "<" + std::string(dsl::fidelity_name(e.fidelity)) + ": " + e.element +
                (e.message.empty() ? "" : ": " + e.message) + ">";
@@ -84,8 +84,9 @@ void bind_import(py::module_& m) {
       .def_readonly("scene", &dsl::ImportResult::scene, "The scene, XML")
       .def_readonly("report", &dsl::ImportResult::entries,
                     "list of ImportEntry, in the order of the source")
-      .def_readonly("diagnostics", &dsl::ImportResult::diagnostics)
-      .def_readonly("files_read", &dsl::ImportResult::files_read)
+      .def_readonly("diagnostics", &dsl::ImportResult::diagnostics, "Warnings and notes")
+      .def_readonly("files_read", &dsl::ImportResult::files_read,
+                    "Paths of all files that were read")
       .def_property_readonly(
           "files",
           [](const dsl::ImportResult& r) {

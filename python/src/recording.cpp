@@ -13,6 +13,7 @@ namespace {
 struct PyRecorder {
   SessionPtr session;  // outlives the recorder
   std::unique_ptr<Recorder> recorder;
+  std::string path;
   bool finished = false;
 };
 
@@ -27,11 +28,11 @@ std::shared_ptr<PyRecorder> record(const SessionPtr& session, const py::object& 
   options.images = images;
   options.jpeg = jpeg;
   options.parameters = session->scene->set;
-  options.attachments =
-      scene_files(*session->scene->model,
-                  std::filesystem::path(session->scene->path).parent_path().string());
+  options.attachments = scene_files(
+      *session->scene->model, std::filesystem::path(session->scene->path).parent_path().string());
   auto out = std::make_shared<PyRecorder>();
   out->session = session;
+  out->path = options.path;
   out->recorder = value_of(Recorder::start(*session->simulation, std::move(options)));
   return out;
 }
@@ -162,7 +163,10 @@ void bind_recording(py::module_& m) {
           "problem", [](const PyRecorder& s) { return s.recorder->problem(); },
           "The first error so far; '': none")
       .def("__enter__", [](const std::shared_ptr<PyRecorder>& s) { return s; })
-      .def("__exit__", [](PyRecorder& s, const py::args&) { finish(s); });
+      .def("__exit__", [](PyRecorder& s, const py::args&) { finish(s); })
+      .def("__repr__", [](const PyRecorder& s) {
+        return "<Recorder '" + s.path + "'" + (s.finished ? ", finished>" : ">");
+      });
   m.def("_record", &record, py::arg("simulation"), py::arg("path"), py::kw_only(),
         py::arg("every") = 0.0, py::arg("contacts") = true, py::arg("images") = true,
         py::arg("jpeg") = false, py::arg("overwrite") = false);

@@ -12,12 +12,8 @@ namespace cogrsim::python {
 
 namespace {
 
-std::string type_name(const py::handle& value) {
-  return py::type::handle_of(value).attr("__name__").cast<std::string>();
-}
-
 std::string setting_text(const std::string& name, const py::handle& value) {
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::str>(value)) return text_of(value, "set['" + name + "']");
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::int_>(value)) return py::str(value).cast<std::string>();
   if (py::hasattr(value, "__float__"))
@@ -147,7 +143,7 @@ std::map<std::string, std::string> settings_of(const py::object& set) {
     throw py::type_error("set: expected a dict of parameters by name, given " + type_name(set));
   }
   for (const auto& [name, value] : py::dict(set)) {
-    const auto key = py::str(name).cast<std::string>();
+    const std::string key = text_of(py::str(name), "set");
     out[key] = setting_text(key, value);
   }
   return out;
@@ -168,7 +164,7 @@ void bind_scene(py::module_& m) {
           "severity", [](const Diagnostic& d) { return severity_name(d.severity); },
           "'error', 'warning' or 'note'")
       .def_readonly("code", &Diagnostic::code, "Stable code such as 'CG0502'; may be ''")
-      .def_readonly("message", &Diagnostic::message)
+      .def_readonly("message", &Diagnostic::message, "What is wrong")
       .def_readonly("file", &Diagnostic::file, "Path as the user wrote it; '': no source location")
       .def_readonly("line", &Diagnostic::line, "From 1; 0: unknown")
       .def_readonly("column", &Diagnostic::column, "From 1, in code points; 0: unknown")
@@ -190,19 +186,30 @@ void bind_scene(py::module_& m) {
 
   py::class_<Scene, std::shared_ptr<Scene>>(
       m, "Scene", "A compiled scene; immutable. Any number of simulations may share it.")
-      .def_property_readonly("name", [](const Scene& s) { return s.model->name; })
+      .def_property_readonly(
+          "name", [](const Scene& s) { return s.model->name; }, "Name of the scene")
       .def_readonly("path", &Scene::path, "Path of the file; '' for a text")
       .def_readonly("files", &Scene::files, "Absolute paths of all files that were read")
       .def_readonly("diagnostics", &Scene::diagnostics, "Warnings and notes of the compiler")
       .def_readonly("set", &Scene::set, "The parameters that were set, as text")
-      .def_property_readonly("bodies", [](const Scene& s) { return names_of(s.model->bodies); })
-      .def_property_readonly("assemblies",
-                             [](const Scene& s) { return names_of(s.model->assemblies); })
-      .def_property_readonly("joints", [](const Scene& s) { return names_of(s.model->joints); })
-      .def_property_readonly("motors", [](const Scene& s) { return names_of(s.model->motors); })
-      .def_property_readonly("sensors", [](const Scene& s) { return names_of(s.model->sensors); })
-      .def_property_readonly("controllers",
-                             [](const Scene& s) { return names_of(s.model->controllers); })
+      .def_property_readonly(
+          "bodies", [](const Scene& s) { return names_of(s.model->bodies); },
+          "Dotted names of the bodies")
+      .def_property_readonly(
+          "assemblies", [](const Scene& s) { return names_of(s.model->assemblies); },
+          "Dotted names of the assemblies")
+      .def_property_readonly(
+          "joints", [](const Scene& s) { return names_of(s.model->joints); },
+          "Dotted names of the joints")
+      .def_property_readonly(
+          "motors", [](const Scene& s) { return names_of(s.model->motors); },
+          "Dotted names of the motors")
+      .def_property_readonly(
+          "sensors", [](const Scene& s) { return names_of(s.model->sensors); },
+          "Dotted names of the sensors")
+      .def_property_readonly(
+          "controllers", [](const Scene& s) { return names_of(s.model->controllers); },
+          "Dotted names of the controllers")
       .def_property_readonly(
           "backend", [](const Scene& s) { return s.model->physics.backend; },
           "The engine that the scene names; '': none")
@@ -211,7 +218,9 @@ void bind_scene(py::module_& m) {
       .def_property_readonly(
           "duration", [](const Scene& s) { return s.model->physics.duration; },
           "Length of a run [s]; None: not given")
-      .def_property_readonly("seed", [](const Scene& s) { return s.model->physics.seed; })
+      .def_property_readonly(
+          "seed", [](const Scene& s) { return s.model->physics.seed; },
+          "Seed of runs that are given none")
       .def_property_readonly(
           "gravity", [](const Scene& s) { return to_python(s.model->physics.gravity); },
           "(x, y, z) [m/s^2]")

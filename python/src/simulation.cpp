@@ -146,7 +146,7 @@ SimulationOptions simulation_options(const py::object& backend, double step,
                                      const std::optional<std::uint64_t>& seed, double speed,
                                      const std::string& isolation) {
   SimulationOptions options;
-  if (!backend.is_none()) options.backend = backend.cast<std::string>();
+  if (!backend.is_none()) options.backend = text_of(backend, "backend");
   options.step = step;
   options.seed = seed;
   options.speed = speed;
@@ -213,7 +213,7 @@ void bind_simulation(py::module_& m) {
           "severity", [](const RunMessage& r) { return severity_name(r.severity); },
           "'error', 'warning' or 'note'")
       .def_readonly("source", &RunMessage::source, "Name of the robot, controller, command …")
-      .def_readonly("message", &RunMessage::message)
+      .def_readonly("message", &RunMessage::message, "What happened")
       .def("__repr__", [](const RunMessage& r) {
         return fmt::format("<Message {} at {:.6g} s, {}: {}>", severity_name(r.severity), r.time,
                            r.source, r.message);
@@ -222,7 +222,8 @@ void bind_simulation(py::module_& m) {
       .def("end", &Observation::end,
            "Remove the observer: it is not called from the next frame on. Call it in the thread "
            "that\n"
-           "steps, also in the observer itself.");
+           "steps, also in the observer itself.")
+      .def("__repr__", [](const Observation&) { return "<Observation>"; });
 
   py::class_<Session, SessionPtr> type(m, "Simulation",
                                        R"(A running simulation of a scene on one engine.
@@ -313,11 +314,13 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
             return to_string(s->simulation->status());
           },
           "'running', 'completed', 'stopped', 'fault' or 'diverged'")
-      .def_property_readonly("paused",
-                             [](const SessionPtr& s) {
-                               const Use use(*s);
-                               return s->simulation->paused();
-                             })
+      .def_property_readonly(
+          "paused",
+          [](const SessionPtr& s) {
+            const Use use(*s);
+            return s->simulation->paused();
+          },
+          "Whether the run is paused")
       .def_property_readonly(
           "state_hash",
           [](const SessionPtr& s) {
@@ -333,18 +336,22 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
           },
           "list of Message: faults, rejected commands, reports of controllers")
       .def_property_readonly(
-          "scene", [](const SessionPtr& s) { return std::const_pointer_cast<Scene>(s->scene); })
+          "scene", [](const SessionPtr& s) { return std::const_pointer_cast<Scene>(s->scene); },
+          "The Scene")
       .def_property_readonly(
           "backend", [](const SessionPtr& s) { return s->simulation->backend().name(); },
           "Name of the engine")
       .def_property_readonly(
           "engine_version",
-          [](const SessionPtr& s) { return s->simulation->backend().engine_version(); })
-      .def_property_readonly("seed",
-                             [](const SessionPtr& s) {
-                               const Use use(*s);
-                               return s->simulation->model()->physics.seed;
-                             })
+          [](const SessionPtr& s) { return s->simulation->backend().engine_version(); },
+          "Version of the engine's own library")
+      .def_property_readonly(
+          "seed",
+          [](const SessionPtr& s) {
+            const Use use(*s);
+            return s->simulation->model()->physics.seed;
+          },
+          "Seed of this run")
       .def_property_readonly(
           "drawn",
           [](const SessionPtr& s) {

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include <fmt/format.h>
+
 #include "cogrsim/simulation/snapshot_file.h"
 #include "simulation.h"
 
@@ -18,6 +20,7 @@ namespace fs = std::filesystem;
 struct PySnapshot {
   ScenePtr scene;  // keeps the engine loaded, whose objects the snapshot owns
   SimulationSnapshotPtr snapshot;
+  double time = 0.0;
 };
 
 /// A folder of its own that is removed at the end.
@@ -87,12 +90,16 @@ SessionPtr resumed(const py::object& snapshot, const py::object& scene, const py
 }  // namespace
 
 void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type) {
-  py::class_<PySnapshot>(m, "Snapshot", "The state of a run at a step boundary, in memory.");
+  py::class_<PySnapshot>(m, "Snapshot", "The state of a run at a step boundary, in memory.")
+      .def("__repr__", [](const PySnapshot& s) {
+        return fmt::format("<Snapshot of '{}' at {:.6g} s>", s.scene->model->name, s.time);
+      });
   type.def(
           "save",
           [](Session& session) {
             const Use use(session);
-            return PySnapshot{session.scene, session.simulation->save()};
+            return PySnapshot{session.scene, session.simulation->save(),
+                              session.simulation->time()};
           },
           "The state of the run as a Snapshot in memory, without the inner state of controllers.")
       .def(

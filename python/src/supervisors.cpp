@@ -1,6 +1,8 @@
 // Supervisors and sensors in Python.
 #include "cogrsim/control/supervisor.h"
 
+#include <fmt/format.h>
+
 #include "cogrsim/rays/ray_caster.h"
 #include "cogrsim/sensing/sensor.h"
 #include "commands.h"
@@ -45,10 +47,15 @@ struct PyCallContext {
   Context* context = nullptr;
   GatePtr gate;
   FrameCopy copy;
+  static constexpr bool kSupervisor = std::is_same_v<Context, SupervisorContext>;
   Context& get() const {
-    gate->check(std::is_same_v<Context, SupervisorContext> ? "the context of a supervisor"
-                                                           : "the context of a sensor");
+    gate->check(kSupervisor ? "the context of a supervisor" : "the context of a sensor");
     return *context;
+  }
+  std::string text() const {
+    const std::string name = kSupervisor ? "SupervisorContext" : "SensorContext";
+    return gate->open ? fmt::format("<{} at {:.6g} s>", name, context->frame().time)
+                      : "<" + name + ", outside its call>";
   }
 };
 using PyContext = PyCallContext<SupervisorContext>;
@@ -245,21 +252,26 @@ event. Usable only inside the calls of the supervisor.)");
       .def(
           "uniform",
           [](const PyContext& s, double low, double high) { return s.get().uniform(low, high); },
-          py::arg("low"), py::arg("high"))
+          py::arg("low"), py::arg("high"),
+          "A number from [low, high), from the seeded stream of the supervisor.")
       .def(
           "report", [](const PyContext& s, const std::string& message) { s.get().report(message); },
-          py::arg("message"))
+          py::arg("message"), "Report a message to the user.")
       .def(
           "publish",
           [](const PyContext& s, const std::string& output, double value) {
             s.get().publish(output, value);
           },
-          py::arg("output"), py::arg("value"), "Set the value of a declared output.");
+          py::arg("output"), py::arg("value"), "Set the value of a declared output.")
+      .def("__repr__", &PyContext::text);
   add_commands(context, [](PyContext& s, Command command) { s.get().send(std::move(command)); });
 
   py::class_<PySensing>(m, "SensorContext",
                         "The measured frame, for a sensor; usable only in read().")
-      .def_property_readonly("frame", [](PySensing& s) { return s.copy.get(s.get().frame()); })
+      .def_property_readonly(
+          "frame", [](PySensing& s) { return s.copy.get(s.get().frame()); },
+          "The measured Frame, with what the class asks for")
+      .def("__repr__", &PySensing::text)
       .def("cast", &cast, py::arg("origin"), py::arg("directions"), py::kw_only(),
            py::arg("max_distance") = std::numeric_limits<double>::infinity(),
            py::arg("ignore") = "",

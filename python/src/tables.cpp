@@ -14,8 +14,7 @@ namespace {
 class Rows final : public Tabulator {
  public:
   explicit Rows(FrameTable table) : table_(table), columns_(columns_of(table)) {
-    if (table == FrameTable::frames)
-      for (const TableColumn& one : columns_) column(one.name);
+    for (const TableColumn& one : columns_) add_column(one.name, one.is_name);
   }
   void add(const Frame& frame) override {
     for_rows(table_, frame, [this](const std::vector<TableValue>& row) {
@@ -39,7 +38,11 @@ class Rows final : public Tabulator {
 class Readings final : public Tabulator {
  public:
   Readings(int sensor, const std::vector<Channel>& channels) : sensor_(sensor) {
-    for (const Channel& channel : channels) names_.push_back(channel.name);
+    for (const char* name : {"time", "sequence", "valid"}) add_column(name);
+    for (const Channel& channel : channels) {
+      names_.push_back(channel.name);
+      add_column(channel.name);
+    }
   }
   void add(const Frame& frame) override {
     for (const Reading& reading : frame.readings) {
@@ -62,6 +65,11 @@ class Readings final : public Tabulator {
 };
 
 }  // namespace
+
+void Tabulator::add_column(const std::string& name, bool of_names) {
+  column(name);
+  if (of_names) names_[name];
+}
 
 std::vector<double>& Tabulator::column(const std::string& name) {
   for (auto& [known, values] : columns_) {

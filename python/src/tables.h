@@ -18,6 +18,8 @@ class Tabulator {
   py::tuple finish();
 
  protected:
+  /// Tables without a row have their columns, too.
+  void add_column(const std::string& name, bool of_names = false);
   std::vector<double>& column(const std::string& name);
   void put_name(const std::string& name, const std::string& value);
 

@@ -1,5 +1,6 @@
 """Compiling: scenes, parameters, and errors that say what, where and how to correct it."""
 
+import os
 import subprocess
 import sys
 import unittest
@@ -64,6 +65,14 @@ class Compile(Case):
         self.assertIn(first.remedy, text)
         self.assertIn(first.code, cg.explain(first.code))
         self.assertIsInstance(caught.exception, cg.Error)
+
+    def test_names_of_files_that_are_no_text(self):
+        for path in (b"\xff.scene.xml", os.fsdecode(b"\xff.scene.xml")):
+            with self.assertRaisesRegex(cg.CompileError, "\ufffd.scene.xml"):
+                cg.compile(path)
+        for path in ("cart.scene.xml\0", "\ud800.scene.xml"):
+            with self.assertRaises(ValueError):
+                cg.compile(path)
 
     def test_file_that_is_not_there(self):
         with self.assertRaises(cg.CompileError) as caught:

@@ -278,6 +278,13 @@ class Observers(Case):
         self.assertEqual(len(seen), 6)
         self.assertIn("in the middle of a step", seen[0])
 
+    def test_arguments_of_another_type(self):
+        sim = cg.Simulation(cg.compile_string(YARD))
+        for call, text in ((lambda: sim.set_state(True), "expected a Frame, given bool"),
+                           (lambda: cg.Simulation(sim.scene, backend=5), "backend: expected a text, given int")):
+            with self.assertRaisesRegex(TypeError, text):
+                call()
+
     def test_nothing_is_pickled(self):
         sim = cg.Simulation(cg.compile_string(YARD))
         for thing in (sim, sim.frame, sim.scene, sim.save(), sim.frame["ball"], cg.VectorEnv(sim.scene, 1)):

@@ -46,17 +46,24 @@ void contact_rows(const Frame& frame, const Use& use) {
 
 const std::vector<TableColumn>& columns_of(FrameTable table) {
   static const std::vector<TableColumn> kFrames = {{"time", "s"}, {"step"}, {"dt", "s"}};
-  static const std::vector<TableColumn> kBodies = {
-      {"time", "s"}, {"body"},      {"x", "m"},      {"y", "m"},      {"z", "m"},
-      {"qw"},        {"qx"},        {"qy"},          {"qz"},          {"vx", "m/s"},
-      {"vy", "m/s"}, {"vz", "m/s"}, {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
-  static const std::vector<TableColumn> kJoints = {{"time", "s"}, {"joint"}, {"coordinate"},
-                                                   {"position"},  {"speed"}, {"effort"}};
+  static const std::vector<TableColumn> kBodies = {{"time", "s"},   {"body", "", true},
+                                                   {"x", "m"},      {"y", "m"},
+                                                   {"z", "m"},      {"qw"},
+                                                   {"qx"},          {"qy"},
+                                                   {"qz"},          {"vx", "m/s"},
+                                                   {"vy", "m/s"},   {"vz", "m/s"},
+                                                   {"wx", "rad/s"}, {"wy", "rad/s"},
+                                                   {"wz", "rad/s"}};
+  static const std::vector<TableColumn> kJoints = {
+      {"time", "s"}, {"joint", "", true}, {"coordinate"}, {"position"}, {"speed"}, {"effort"}};
   static const std::vector<TableColumn> kContacts = {
-      {"time", "s"}, {"a"},  {"b"},          {"x", "m"},  {"y", "m"},  {"z", "m"}, {"nx"},
-      {"ny"},        {"nz"}, {"depth", "m"}, {"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
-  static const std::vector<TableColumn> kEvents = {
-      {"time", "s"}, {"kind"}, {"source"}, {"subject"}, {"message"}};
+      {"time", "s"}, {"a", "", true}, {"b", "", true}, {"x", "m"},  {"y", "m"},  {"z", "m"}, {"nx"},
+      {"ny"},        {"nz"},          {"depth", "m"},  {"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
+  static const std::vector<TableColumn> kEvents = {{"time", "s"},
+                                                   {"kind", "", true},
+                                                   {"source", "", true},
+                                                   {"subject", "", true},
+                                                   {"message", "", true}};
   switch (table) {
     case FrameTable::frames:
       return kFrames;

@@ -15,6 +15,7 @@ enum class FrameTable { frames, bodies, joints, contacts, events };
 struct TableColumn {
   const char* name;
   const char* unit = "";
+  bool is_name = false;  ///< of texts, not numbers
 };
 
 /// A number, a name, or nothing where a row has no value. Names are valid during the call.
