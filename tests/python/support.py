@@ -13,6 +13,9 @@ CART = EXAMPLES / "070_batch" / "cart.scene.xml"
 ROBOT = EXAMPLES / "010_two_wheels" / "two_wheels.scene.xml"
 ENGINES = [name for name in os.environ.get("COGRSIM_ENGINES", "").split(",") if name]
 
+#: Under the address sanitizer freed memory is held for a while, and programs start slowly.
+SANITIZED = bool(os.environ.get("COGRSIM_SANITIZE"))
+
 #: A ball that falls onto a floor, with a kinematic lift, a template and a sensor.
 YARD = """<scene name="yard" version="1">
   <param name="height" type="length" default="1 m" min="10 cm" max="5 m"/>
