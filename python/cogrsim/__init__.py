@@ -103,10 +103,16 @@ def _no_pickle(self, protocol):
                     "Simulation.save() or save_bytes()")
 
 
-for _class in list(vars(_c).values()):
+def _not_made(cls, *_, **__):
+    raise TypeError(f"a {cls.__name__} is made by functions of cogrsim, not by its class")
+
+
+for _name, _class in list(vars(_c).items()):
     if isinstance(_class, type):
         _class.__module__ = "cogrsim"
         _class.__reduce_ex__ = _no_pickle  # that of object makes an instance of pybind11's base, which aborts
-del _class
+        if _name not in ("Simulation", "_Batch", "_Recording"):
+            _class.__new__ = _not_made  # without an __init__() that is called the instance would have no memory
+del _name, _class
 
 __all__ = [name for name in __dir__() if not name.startswith("_")]

@@ -77,14 +77,14 @@ Command CommandArguments::force(const std::string& body, const py::object& force
 
 namespace {
 
-void set_state(Session& session, const py::object& frame, const py::object& position,
+void set_state(const SessionPtr& session, const py::object& frame, const py::object& position,
                const py::object& orientation, const py::object& velocity,
                const py::object& angular_velocity, const py::object& joint_position,
                const py::object& joint_velocity) {
   SetState command;
   if (frame.is_none()) {
-    const Use use(session);
-    command.state = session.simulation->frame()->state;
+    const Use use(*session);
+    command.state = session->simulation->frame()->state;
   } else if (!py::isinstance<PyFrame>(frame)) {
     throw py::type_error("frame: expected a Frame, given " + type_name(frame));
   } else {
@@ -115,14 +115,14 @@ void set_state(Session& session, const py::object& frame, const py::object& posi
   };
   list(joint_position, "joint_position", state.joint_positions);
   list(joint_velocity, "joint_velocity", state.joint_velocities);
-  session.simulation->send(std::move(command));
+  session->simulation->send(std::move(command));
 }
 
 }  // namespace
 
 void bind_commands(py::class_<Session, SessionPtr>& type) {
-  add_commands(type, [](Session& session, Command command) {
-    session.simulation->send(std::move(command));
+  add_commands<const SessionPtr&>(type, [](const SessionPtr& session, Command command) {
+    session->simulation->send(std::move(command));
   });
   const auto none = py::none();
   type.def(

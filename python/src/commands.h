@@ -7,7 +7,8 @@
 namespace cogrsim::python {
 
 /// Adds a method per command to a class. `send(object, command)`.
-template <class Type, class Send>
+/// `Self`: how the methods take their object. A shared pointer is refused by pybind11 where __init__() was not called.
+template <class Self, class Type, class Send>
 void add_commands(Type& type, Send send);
 
 /// What the methods are made of.
@@ -26,14 +27,13 @@ struct CommandArguments {
                        const py::object& point, const std::string& axes, double duration);
 };
 
-template <class Type, class Send>
+template <class Self, class Type, class Send>
 void add_commands(Type& type, Send send) {
-  using Self = typename Type::type;
   const double infinity = std::numeric_limits<double>::infinity();
   const auto none = py::none();
   type.def(
           "spawn",
-          [send](Self& self, const std::string& of, const std::string& name,
+          [send](Self self, const std::string& of, const std::string& name,
                  const py::object& position, const py::object& orientation,
                  const py::object& places, double clearance, double lifetime) {
             send(self, CommandArguments::spawn(of, name, position, orientation, places, clearance,
@@ -48,11 +48,11 @@ void add_commands(Type& type, Send send) {
           "with the\n"
           "given clearance [m] is drawn. lifetime [s]: it is removed after that time.")
       .def(
-          "remove", [send](Self& self, const std::string& name) { send(self, Remove{name}); },
+          "remove", [send](Self self, const std::string& name) { send(self, Remove{name}); },
           py::arg("name"), "Remove an assembly, or a body without assembly, with all joints to it.")
       .def(
           "attach",
-          [send](Self& self, const std::string& name, const std::string& parent,
+          [send](Self self, const std::string& name, const std::string& parent,
                  const std::string& child, const std::string& kind, const py::object& point,
                  const py::object& axis, double reach) {
             send(self, CommandArguments::attach(name, parent, child, kind, point, axis, reach));
@@ -65,11 +65,11 @@ void add_commands(Type& type, Send send) {
           "parent's frame [m]; axis: of a hinge, in the parent's frame; reach: largest distance "
           "[m].")
       .def(
-          "detach", [send](Self& self, const std::string& joint) { send(self, Detach{joint}); },
+          "detach", [send](Self self, const std::string& joint) { send(self, Detach{joint}); },
           py::arg("joint"), "Remove a joint together with its motors.")
       .def(
           "set_joint_limits",
-          [send](Self& self, const std::string& joint, std::optional<double> lower,
+          [send](Self self, const std::string& joint, std::optional<double> lower,
                  std::optional<double> upper, int axis) {
             send(self, SetJointLimits{joint, axis, lower, upper});
           },
@@ -77,65 +77,63 @@ void add_commands(Type& type, Send send) {
           "Change the limits [rad] or [m] of a joint axis; None: unchanged.")
       .def(
           "set_static",
-          [send](Self& self, const std::string& body, bool on) {
+          [send](Self self, const std::string& body, bool on) {
             send(self, SetStatic{body, on});
           },
           py::arg("body"), py::arg("on") = true,
           "Make a body, or all bodies of an assembly, static; False: dynamic again.")
       .def(
           "set_motor",
-          [send](Self& self, const std::string& motor, double target) {
+          [send](Self self, const std::string& motor, double target) {
             send(self, SetMotor{motor, target});
           },
           py::arg("motor"), py::arg("target"),
           "Set the target of a motor, in the unit of its mode.")
       .def(
           "enable_sensor",
-          [send](Self& self, const std::string& sensor, bool on) {
+          [send](Self self, const std::string& sensor, bool on) {
             send(self, EnableSensor{sensor, on});
           },
           py::arg("sensor"), py::arg("on") = true, "Switch a sensor on or off.")
       .def(
           "move_door",
-          [send](Self& self, const std::string& door, bool open) {
+          [send](Self self, const std::string& door, bool open) {
             send(self, MoveDoor{door, open});
           },
           py::arg("door"), py::arg("open") = true, "Move a door to its open or closed position.")
       .def(
           "raise_event",
-          [send](Self& self, const std::string& event, const std::string& message) {
+          [send](Self self, const std::string& event, const std::string& message) {
             send(self, Raise{event, message});
           },
           py::arg("event"), py::arg("message") = "", "Emit an event of kind 'raised'.")
       .def(
-          "end_run", [send](Self& self, const std::string& reason) { send(self, EndRun{reason}); },
+          "end_run", [send](Self self, const std::string& reason) { send(self, EndRun{reason}); },
           py::arg("reason") = "", "End the run.")
       .def(
-          "log",
-          [send](Self& self, const std::string& message) { send(self, LogMessage{message}); },
+          "log", [send](Self self, const std::string& message) { send(self, LogMessage{message}); },
           py::arg("message"), "Write a line to the log of the run.")
       .def(
-          "pause", [send](Self& self) { send(self, Pause{}); },
+          "pause", [send](Self self) { send(self, Pause{}); },
           "Pause until resume() or step_once().")
       .def(
-          "resume", [send](Self& self) { send(self, Resume{}); }, "Resume a paused run.")
+          "resume", [send](Self self) { send(self, Resume{}); }, "Resume a paused run.")
       .def(
-          "step_once", [send](Self& self) { send(self, StepOnce{}); },
-          "Make one step while paused.")
+          "step_once", [send](Self self) { send(self, StepOnce{}); }, "Make one step while paused.")
       .def(
-          "set_speed", [send](Self& self, double factor) { send(self, SetSpeed{factor}); },
+          "set_speed", [send](Self self, double factor) { send(self, SetSpeed{factor}); },
           py::arg("factor"), "Simulated seconds per second; inf: no limit. Results are the same.")
       .def(
-          "set_step", [send](Self& self, double dt) { send(self, SetStep{dt}); }, py::arg("dt"),
+          "set_step", [send](Self self, double dt) { send(self, SetStep{dt}); }, py::arg("dt"),
           "Set the time step [s]; results differ.")
       .def(
           "restart",
-          [send](Self& self, std::optional<std::uint64_t> seed) { send(self, Restart{seed}); },
+          [send](Self self, std::optional<std::uint64_t> seed) { send(self, Restart{seed}); },
           py::arg("seed") = none,
           "Restart at time 0 with new controllers; None: with the same seed.")
       .def(
           "add_assembly",
-          [send](Self& self, const py::object& scene, const std::string& name,
+          [send](Self self, const py::object& scene, const std::string& name,
                  const py::object& position, const py::object& orientation) {
             send(self, CommandArguments::add_assembly(scene, name, position, orientation));
           },
@@ -145,7 +143,7 @@ void add_commands(Type& type, Send send) {
           "world.")
       .def(
           "set_kinematic_twist",
-          [send](Self& self, const std::string& body, const py::object& velocity,
+          [send](Self self, const std::string& body, const py::object& velocity,
                  const py::object& angular_velocity) {
             send(self, CommandArguments::kinematic_twist(body, velocity, angular_velocity));
           },
@@ -155,16 +153,18 @@ void add_commands(Type& type, Send send) {
           "world axes.")
       .def(
           "apply_force",
-          [send](Self& self, const std::string& body, const py::object& force,
+          [send](Self self, const std::string& body, const py::object& force,
                  const py::object& torque, const py::object& point, const std::string& axes,
                  double duration) {
             send(self, CommandArguments::force(body, force, torque, point, axes, duration));
           },
           py::arg("body"), py::arg("force") = none, py::kw_only(), py::arg("torque") = none,
           py::arg("point") = none, py::arg("axes") = "world", py::arg("duration") = 0.0,
-          "Apply a force (3,) [N] and a torque (3,) [N m] to a body. point: where the force acts, in "
+          "Apply a force (3,) [N] and a torque (3,) [N m] to a body. point: where the force acts, "
+          "in "
           "the\n"
-          "frame of the body [m]. axes: 'world', or 'own': they turn with the body. duration [s]; 0: "
+          "frame of the body [m]. axes: 'world', or 'own': they turn with the body. duration [s]; "
+          "0: "
           "one step.");
 }
 

@@ -5,12 +5,14 @@
 
 namespace cogrsim::python {
 
+py::str shown(const std::string& text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+}
+
 void raise(const char* type, const std::string& text, const std::vector<Diagnostic>& diagnostics) {
   const py::object cls = py::module_::import("cogrsim._errors").attr(type);
-  // It may quote bytes of a file that are no UTF-8.
-  const auto shown = py::reinterpret_steal<py::object>(
-      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
-  PyErr_SetObject(cls.ptr(), cls(shown, py::cast(diagnostics)).ptr());
+  PyErr_SetObject(cls.ptr(), cls(shown(text), py::cast(diagnostics)).ptr());
   throw py::error_already_set();
 }
 

@@ -21,6 +21,8 @@ namespace cogrsim::python {
 
 namespace py = pybind11;
 
+/// A text that may quote bytes of a file that are no UTF-8.
+py::str shown(const std::string& text);
 /// Raises cogrsim.TYPE(text, diagnostics).
 [[noreturn]] void raise(const char* type, const std::string& text,
                         const std::vector<Diagnostic>& diagnostics = {});

@@ -1,4 +1,6 @@
 // Elements of a frame by name, and readings of sensors.
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "cogrsim/rendering/renderer.h"
@@ -89,8 +91,8 @@ std::vector<std::string> channel_names(const PyReading& r) {
 
 double value_by_name(const PyReading& r, const std::string& name) {
   const std::vector<std::string> names = channel_names(r);
-  for (std::size_t i = 0; i < names.size() && i < r->values.size(); ++i) {
-    if (names[i] == name) return r->values[i];
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return i < r->values.size() ? r->values[i] : std::nan("");
   }
   raise_unknown("channel of sensor '" + r.sensor().name + "' named", name, names);
 }
@@ -231,7 +233,7 @@ reading['distance'] is the value of a channel; values, the array of all.)")
           "Of a camera with segmentation: (height, width) int32 body indices, -1: background; "
           "otherwise None")
       .def("__getitem__", &value_by_name, py::arg("channel"),
-           "Raises KeyError naming the channels.")
+           "Value of a channel; NaN: no measurement yet. Raises KeyError naming the channels.")
       .def("__len__", [](const PyReading& r) { return r->values.size(); })
       .def("__repr__", [](const PyReading& r) {
         return fmt::format("<Reading of '{}': {} values{}>", r.sensor().name, r->values.size(),

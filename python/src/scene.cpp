@@ -164,8 +164,11 @@ void bind_scene(py::module_& m) {
           "severity", [](const Diagnostic& d) { return severity_name(d.severity); },
           "'error', 'warning' or 'note'")
       .def_readonly("code", &Diagnostic::code, "Stable code such as 'CG0502'; may be ''")
-      .def_readonly("message", &Diagnostic::message, "What is wrong")
-      .def_readonly("file", &Diagnostic::file, "Path as the user wrote it; '': no source location")
+      .def_property_readonly(
+          "message", [](const Diagnostic& d) { return shown(d.message); }, "What is wrong")
+      .def_property_readonly(
+          "file", [](const Diagnostic& d) { return shown(d.file); },
+          "Path as the user wrote it; '': no source location")
       .def_readonly("line", &Diagnostic::line, "From 1; 0: unknown")
       .def_readonly("column", &Diagnostic::column, "From 1, in code points; 0: unknown")
       .def_readonly("length", &Diagnostic::length, "Code points to underline")
@@ -178,10 +181,10 @@ void bind_scene(py::module_& m) {
             return notes;
           },
           "Further lines, such as the instance of a prototype")
-      .def("__str__", [](const Diagnostic& d) { return dsl::to_text(d); })
+      .def("__str__", [](const Diagnostic& d) { return shown(dsl::to_text(d)); })
       .def("__repr__", [](const Diagnostic& d) {
-        return "<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code + " " +
-               d.position_text() + ": " + d.message + ">";
+        return shown("<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code + " " +
+                     d.position_text() + ": " + d.message + ">");
       });
 
   py::class_<Scene, std::shared_ptr<Scene>>(

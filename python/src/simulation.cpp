@@ -369,7 +369,9 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
                 to_json_text(s->simulation->provenance()));
           },
           "Which code computes each stage of a step, and all options in use, as a dict")
-      .def_readonly("notes", &Session::notes, "What resume() could not transfer; empty otherwise")
+      .def_property_readonly(
+          "notes", [](const SessionPtr& s) { return s->notes; },
+          "What resume() could not transfer; empty otherwise")
       .def("observe", &observe, py::arg("callback"), py::kw_only(), py::arg("contacts") = false,
            py::arg("joint_reactions") = false, py::arg("accelerations") = false,
            py::arg("for_sensors") = false,

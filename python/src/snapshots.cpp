@@ -52,9 +52,9 @@ void write(Session& session, const std::string& path, bool overwrite) {
   check(write_snapshot(*session.simulation, path, session.scene->set, rules));
 }
 
-py::bytes bytes_of(Session& session) {
+py::bytes bytes_of(const SessionPtr& session) {
   const ScratchFolder folder;
-  write(session, folder.file(), false);
+  write(*session, folder.file(), false);
   std::ifstream in(folder.file(), std::ios::binary);
   return py::bytes(
       std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()));
@@ -96,19 +96,19 @@ void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type) {
       });
   type.def(
           "save",
-          [](Session& session) {
-            const Use use(session);
-            return PySnapshot{session.scene, session.simulation->save(),
-                              session.simulation->time()};
+          [](const SessionPtr& session) {
+            const Use use(*session);
+            return PySnapshot{session->scene, session->simulation->save(),
+                              session->simulation->time()};
           },
           "The state of the run as a Snapshot in memory, without the inner state of controllers.")
       .def(
           "restore",
-          [](Session& session, const PySnapshot& snapshot, bool restart_controllers) {
-            const Use use(session);
+          [](const SessionPtr& session, const PySnapshot& snapshot, bool restart_controllers) {
+            const Use use(*session);
             Result<> done = [&]() -> Result<> {
               const py::gil_scoped_release unlock;
-              return session.simulation->restore(snapshot.snapshot, restart_controllers);
+              return session->simulation->restore(snapshot.snapshot, restart_controllers);
             }();
             check(done);
           },
@@ -122,8 +122,8 @@ void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type) {
            "for cogrsim.resume() and `cogrsim run --from`.")
       .def(
           "write_snapshot",
-          [](Session& session, const py::object& path, bool overwrite) {
-            write(session, path_of(path), overwrite);
+          [](const SessionPtr& session, const py::object& path, bool overwrite) {
+            write(*session, path_of(path), overwrite);
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write save_bytes() to a file. A snapshot there is replaced; another file only if "

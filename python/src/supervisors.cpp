@@ -264,7 +264,8 @@ event. Usable only inside the calls of the supervisor.)");
           },
           py::arg("output"), py::arg("value"), "Set the value of a declared output.")
       .def("__repr__", &PyContext::text);
-  add_commands(context, [](PyContext& s, Command command) { s.get().send(std::move(command)); });
+  add_commands<PyContext&>(context,
+                           [](PyContext& s, Command command) { s.get().send(std::move(command)); });
 
   py::class_<PySensing>(m, "SensorContext",
                         "The measured frame, for a sensor; usable only in read().")

@@ -8,7 +8,7 @@ import numpy as np
 
 import cogrsim as cg
 
-from support import EXAMPLES, YARD, Case, main
+from support import EXAMPLES, SANITIZED, YARD, Case, main
 
 
 def frame_at(time):
@@ -56,6 +56,7 @@ class Arrays(Case):
         np.testing.assert_array_equal(view, before)
         self.assertFalse((frame_at(0.4).position == before).all())
 
+    @unittest.skipIf(SANITIZED, "a sanitizer holds freed memory")
     def test_many_frames_do_not_grow(self):
         sim = cg.Simulation(cg.compile_string(YARD))
 
@@ -99,6 +100,13 @@ class Elements(Case):
         self.assertIsInstance(frame["arm.elbow"].position, float)
         self.assertIsInstance(frame["arm.turn"].effort, float)
         self.assertEqual(frame["arm.ticks"].position, frame.sensors["arm.ticks"]["position"])
+
+    def test_a_quantity_that_an_element_has_not(self):
+        frame = frame_at(0.0)
+        for name, quantity in (("arm.turn", "position"), ("arm.elbow", "angular_velocity"), ("arm.elbow", "orientation")):
+            with self.assertRaisesRegex(AttributeError, quantity):
+                getattr(frame[name], quantity)
+        self.assertTrue(np.isnan(cg.Simulation(cg.compile_string(YARD)).frame.sensors["arm.ticks"]["velocity"]))
 
     def test_unknown_names(self):
         frame = frame_at(0.01)

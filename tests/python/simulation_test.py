@@ -278,6 +278,18 @@ class Observers(Case):
         self.assertEqual(len(seen), 6)
         self.assertIn("in the middle of a step", seen[0])
 
+    def test_objects_that_were_never_made(self):
+        for name in ("Frame", "Scene", "Motor", "Snapshot", "Diagnostic", "SupervisorContext"):
+            cls = getattr(cg, name)
+            for make in (cls, lambda cls=cls: cls.__new__(cls)):
+                with self.assertRaisesRegex(TypeError, name):
+                    make()
+        empty = cg.Simulation.__new__(cg.Simulation)
+        for use in (empty.step, empty.pause, empty.save, empty.save_bytes, lambda: empty.frame, lambda: empty.notes,
+                    empty.set_state):
+            with self.assertRaises((RuntimeError, TypeError)):
+                use()
+
     def test_arguments_of_another_type(self):
         sim = cg.Simulation(cg.compile_string(YARD))
         for call, text in ((lambda: sim.set_state(True), "expected a Frame, given bool"),
