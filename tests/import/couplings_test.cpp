@@ -79,6 +79,21 @@ TEST_CASE("armature, equality and gravcomp of MJCF come to the scene", "[mjcf]")
   CHECK(model.couplings[0].terms.at(0).ratio == -1.0);
 }
 
+TEST_CASE("a joint that follows another has limits that exclude zero", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody>
+    <body name="a"><joint name="left" type="slide" range="0.02 0.05"/><geom size="0.1" mass="1"/></body>
+    <body name="b" pos="1 0 0"><joint name="right" type="slide" range="-0.05 -0.02"/>
+      <geom size="0.1" mass="1"/></body>
+    </worldbody><equality><joint joint1="left" joint2="right" polycoef="0 -1 0 0 0"/></equality>
+    </mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  REQUIRE(in.model->couplings.size() == 1);
+  CHECK(in.joint("right").position.at(0) == -0.02);
+  CHECK(in.joint("left").position.at(0) == 0.02);
+}
+
 TEST_CASE("a link of SDF without gravity is weightless", "[sdf]") {
   Imported in;
   in.read(R"(<sdf version="1.9"><model name="m"><link name="a"><gravity>false</gravity><inertial>

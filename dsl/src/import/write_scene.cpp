@@ -570,11 +570,12 @@ class SceneWriter {
         out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
       if (std::isfinite(j.max_speed))
         out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
-      const double start = start_of(j);
-      if (start != 0.0 && coupled_starts_.count(&j) == 0) {
+      // A joint that follows others starts where they put it; a zero beyond its limits is an error.
+      const bool follows = coupled_starts_.count(&j) != 0;
+      const double start = follows ? std::clamp(start_in_scene(j), j.lower, j.upper) : start_of(j);
+      if (follows ? j.lower > 0.0 || j.upper < 0.0 : start != 0.0)
         out += fmt::format(" position=\"{} {}\"", start, unit);
-      }
-      if (start != j.position && coupled_starts_.count(&j) == 0)
+      if (!follows && start != j.position)
         context_.approximate(
             j.at, fmt::format("joint '{}'", j.name),
             fmt::format("{} lies beyond its limits: it starts at {}",
