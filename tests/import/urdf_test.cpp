@@ -233,6 +233,26 @@ TEST_CASE("a robot of a name that the scene has gets another", "[urdf]") {
   CHECK(compiled.ok());
 }
 
+TEST_CASE("a root without mass is the world if it is called so", "[urdf]") {
+  Imported in;
+  const std::string name = GENERATE("world", "root");
+  const std::string mass = GENERATE("", "<inertial><mass value=\"1\"/></inertial>");
+  in.read("<robot name=\"r\"><link name=\"" + name + "\">" + mass + R"(</link>
+    <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <link name="arm"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+    <joint name="stand" type="fixed"><parent link=")" +
+          name + R"("/><child link="base"/><origin xyz="0 0 2"/></joint>
+    <joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
+    </robot>)");
+  REQUIRE(in.model);
+  const bool is_world = name == "world" && mass.empty();
+  const NamedFrame& base = in.frame("base");
+  CHECK((in.model->bodies.at(base.body).kind == BodyKind::fixed) == is_world);
+  CHECK(base.X_BF.p.z() == 2.0);
+  CHECK(in.body("arm").kind == BodyKind::dynamic);
+  CHECK(in.reports(kExact, "link 'world'", "is the world") == is_world);
+}
+
 TEST_CASE("a floating joint below a link is no joint", "[urdf]") {
   Imported in;
   in.read(R"(<robot name="r"><link name="world"/>

@@ -413,7 +413,7 @@ class UrdfReader {
     drive.joint = *name;
     drive.name = *name + "_motor";
     drive.at = e.at;
-    drive.max_effort = robot_.joints[static_cast<std::size_t>(index)].max_effort;
+    drive.max_effort = robot_.joints[index].max_effort;
     if (interface.find("Position") != std::string::npos)
       drive.mode = RobotDrive::Mode::position;
     else if (interface.find("Velocity") != std::string::npos)
@@ -445,15 +445,14 @@ class UrdfReader {
       if (c->name == "mu1" && link >= 0) {
         const auto mu = context_.numbers(*c, text, 1, 1, "the friction");
         if (!mu || (*mu)[0] < 0.0) continue;
-        for (RobotShape& s : robot_.links[static_cast<std::size_t>(link)].shapes)
-          s.friction = (*mu)[0];
+        for (RobotShape& s : robot_.links[link].shapes) s.friction = (*mu)[0];
         context_.exact(c->at, what);
       } else if (c->name == "mu2" && link >= 0) {
         const XmlElement* one = e.child("mu1");
         if (one == nullptr || one->text != c->text)
           context_.approximate(c->at, what, "friction is the same in all directions: mu1 is taken");
       } else if (c->name == "sensor" && link >= 0) {
-        sensor(*c, robot_.links[static_cast<std::size_t>(link)]);
+        sensor(*c, robot_.links[link]);
       } else {
         context_.left_out(c->at, what, "concerns Gazebo");
       }
@@ -466,12 +465,11 @@ class UrdfReader {
     std::vector<int> carrier(robot_.links.size(), -1);
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const RobotJoint& j = robot_.joints[i];
-      int& at = carrier[static_cast<std::size_t>(j.child)];
+      int& at = carrier[j.child];
       if (at >= 0)
         context_.error(j.at, "CG1410",
                        fmt::format("link '{}' is the child of two joints, '{}' and '{}'",
-                                   robot_.links[static_cast<std::size_t>(j.child)].name,
-                                   robot_.joints[static_cast<std::size_t>(at)].name, j.name),
+                                   robot_.links[j.child].name, robot_.joints[at].name, j.name),
                        "URDF describes trees; a loop needs a joint of the scene language");
       else
         at = static_cast<int>(i);
@@ -488,6 +486,15 @@ class UrdfReader {
       context_.error(root.at, "CG1410", fmt::format("{} links have no parent: {}", count, roots),
                      "join them, or remove those that do not belong to the robot");
     if (count != 1 || context_.failed()) return;
+    // By the convention of ROS the root 'world' is the world, to which joints hold the robot.
+    for (std::size_t i = 0; i < carrier.size(); ++i) {
+      RobotLink& link = robot_.links[i];
+      if (carrier[i] >= 0 || link.name != "world" || link.inertia || robot_.joints.empty())
+        continue;
+      link.is_static = true;
+      context_.exact(link.at, "link 'world'",
+                     "is the world: what a fixed joint joins to it is static");
+    }
     // Every link must be reached from the root, else some go in a circle.
     std::vector<bool> reached(carrier.size(), false);
     for (std::size_t i = 0; i < carrier.size(); ++i) {
@@ -495,7 +502,7 @@ class UrdfReader {
       std::size_t at = i;
       while (!reached[at] && carrier[at] >= 0 && path.size() <= carrier.size()) {
         path.push_back(at);
-        at = static_cast<std::size_t>(robot_.joints[static_cast<std::size_t>(carrier[at])].parent);
+        at = static_cast<std::size_t>(robot_.joints[carrier[at]].parent);
       }
       if (path.size() > carrier.size()) {
         context_.error(robot_.links[i].at, "CG1410",
