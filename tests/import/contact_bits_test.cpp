@@ -21,7 +21,7 @@ std::string geom(const std::string& bits, const std::string& name = {}) {
 std::set<std::pair<std::string, std::string>> separated(const SceneModel& model) {
   std::set<std::pair<std::string, std::string>> out;
   const auto name = [&](int body) {
-    const std::string& full = model.bodies[static_cast<std::size_t>(body)].name;
+    const std::string& full = model.bodies[body].name;
     return full.substr(full.rfind('.') + 1);
   };
   for (const auto& [a, b] : model.no_collide) out.insert(std::minmax(name(a), name(b)));

@@ -19,7 +19,7 @@ std::string model(const std::string& rest) {
 }
 
 std::string joint_name(const SceneModel& model, int joint) {
-  return model.joints[static_cast<std::size_t>(joint)].name;
+  return model.joints[joint].name;
 }
 
 }  // namespace

@@ -102,8 +102,6 @@ class ContactBits {
     }
   }
 
-  bool stands(int link) const { return robot_.links[static_cast<std::size_t>(link)].is_static; }
-
   void count() {
     std::set<Pair> known;  // that never touch, or were reported
     std::unordered_map<std::string, int> index;
@@ -117,11 +115,11 @@ class ContactBits {
       known.insert(std::minmax(index.at(a), index.at(b)));
     const int n = static_cast<int>(robot_.links.size());
     for (int i = 0; i < n; ++i) {
-      const Masks& a = masks_[static_cast<std::size_t>(i)];
+      const Masks& a = masks_[i];
       if (a.own == 0) continue;
       for (int k = i + 1; k < n; ++k) {
-        const Masks& b = masks_[static_cast<std::size_t>(k)];
-        if (b.own == 0 || (stands(i) && stands(k))) continue;
+        const Masks& b = masks_[k];
+        if (b.own == 0 || (robot_.stands(i) && robot_.stands(k))) continue;
         const bool none = (a.some & b.own) == 0, whole = (a.all & b.own) == b.own;
         if (!none && whole && touching_.size() > kMostPairs) continue;
         if (none && apart_.size() > kMostPairs) continue;
@@ -139,8 +137,7 @@ class ContactBits {
 
   void report() {
     const auto named = [&](const Pair& p) {
-      return std::pair(robot_.links[static_cast<std::size_t>(p.first)].name,
-                       robot_.links[static_cast<std::size_t>(p.second)].name);
+      return std::pair(robot_.links[p.first].name, robot_.links[p.second].name);
     };
     std::string how;
     if (apart_.size() > touching_.size() && apart_.size() > kFew &&

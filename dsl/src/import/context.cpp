@@ -97,6 +97,11 @@ std::unique_ptr<XmlElement> XmlElement::copy() const {
   return out;
 }
 
+void add_to(std::string& list, std::string_view entry, std::string_view between) {
+  if (!list.empty()) list += between;
+  list += entry;
+}
+
 std::string quoted_name(const XmlElement& element) {
   const std::string* name = element.find("name");
   return name == nullptr ? "<" + element.name + ">" : element.name + " '" + *name + "'";
@@ -280,6 +285,12 @@ void Context::exact(const Source& at, std::string element, std::string message) 
 }
 void Context::approximate(const Source& at, std::string element, std::string message) {
   add(Fidelity::approximate, at, std::move(element), std::move(message));
+}
+void Context::exact_unless(const Source& at, std::string element, std::string differs,
+                           const std::string& message) {
+  const Fidelity fidelity = differs.empty() ? Fidelity::exact : Fidelity::approximate;
+  if (!message.empty()) add_to(differs, message);
+  add(fidelity, at, std::move(element), std::move(differs));
 }
 void Context::left_out(const Source& at, std::string element, std::string message) {
   add(Fidelity::left_out, at, std::move(element), std::move(message));

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cogrsim/core/result.h"
@@ -50,13 +51,16 @@ class Context {
   bool allowed(const std::string& path) const;
   /// As the user would name it.
   std::string shown(const std::string& path) const;
-  const std::string& path_of(int file) const { return files_[static_cast<std::size_t>(file)]; }
+  const std::string& path_of(int file) const { return files_[file]; }
   const std::string& folder() const { return folder_; }
 
   // ---- findings
 
   void exact(const Source& at, std::string element, std::string message = {});
   void approximate(const Source& at, std::string element, std::string message);
+  /// Approximate where something `differs`, else exact; with the message in both cases.
+  void exact_unless(const Source& at, std::string element, std::string differs,
+                    const std::string& message = {});
   void left_out(const Source& at, std::string element, std::string message);
   /// An error of the source; reading continues, but no scene is made.
   void error(const Source& at, std::string code, std::string message, std::string help = {});
@@ -91,6 +95,9 @@ class Context {
   std::size_t entries_left_ = 100000;
   bool failed_ = false;
 };
+
+/// Adds an entry to a list in a text.
+void add_to(std::string& list, std::string_view entry, std::string_view between = "; ");
 
 /// Elements a reader knows and others, which are left out with their names.
 std::string quoted_name(const XmlElement& element);

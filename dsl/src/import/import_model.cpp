@@ -64,7 +64,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     if (context.failed()) return std::move(context.result);
     if (options.fixed_base) {
       std::vector<bool> carried(robot.links.size(), false);
-      for (const RobotJoint& j : robot.joints) carried[static_cast<std::size_t>(j.child)] = true;
+      for (const RobotJoint& j : robot.joints) carried[j.child] = true;
       for (std::size_t i = 0; i < robot.links.size(); ++i)
         if (!carried[i]) robot.links[i].is_static = true;
     }

@@ -147,10 +147,8 @@ void MjcfReader::contact(const XmlElement& e) {
     robot_.touching.emplace_back(*one, *two);
     const XmlElement all = with_defaults(e, "");
     const bool plain = all.find("friction") == nullptr && all.find("condim") == nullptr;
-    if (plain)
-      context_.exact(e.at, what);
-    else
-      context_.approximate(e.at, what, "has the friction of the two shapes, not of the pair");
+    context_.exact_unless(e.at, what,
+                          plain ? "" : "has the friction of the two shapes, not of the pair");
   } else {
     context_.left_out(e.at, quoted_name(e), "names neither two bodies nor two geoms");
   }

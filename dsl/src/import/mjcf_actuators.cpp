@@ -100,7 +100,7 @@ std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement
   const std::string* dynamics = e.find("dyntype");
   const double delay = context_.number(e, "timeconst", 0.0);
   if ((dynamics != nullptr && *dynamics != "none") || delay > 0.0)
-    out.note += std::string(out.note.empty() ? "" : "; ") + "acts without the delay of MuJoCo's";
+    add_to(out.note, "acts without the delay of MuJoCo's");
   return out;
 }
 
@@ -123,10 +123,7 @@ void MjcfReader::actuator(const XmlElement& source) {
     return;
   }
   const std::string name = name_of(source, "motor");
-  std::string note = law->note, meaning;
-  const auto means = [&](const std::string& text) {
-    meaning += (meaning.empty() ? "" : "; ") + text;
-  };
+  std::string meaning;  // of its control
   for (const auto& [joint, coef] : acts->joints) {
     RobotDrive out;
     out.joint = joint_at(joint).name;
@@ -150,25 +147,23 @@ void MjcfReader::actuator(const XmlElement& source) {
       offset = law->b0 / -law->b1 / s - acts->at_zero / coef;
     }
     if (several || std::abs(scale - 1.0) > 1e-9 || std::abs(offset) > 1e-12)
-      means(fmt::format(
-          "its control u is {:.6g} u{} at joint '{}' here", scale,
-          offset == 0.0 ? "" : fmt::format(" {} {:.6g}", offset < 0 ? "-" : "+", std::abs(offset)),
-          out.joint));
+      add_to(meaning, fmt::format("its control u is {:.6g} u{} at joint '{}' here", scale,
+                                  offset == 0.0 ? ""
+                                                : fmt::format(" {} {:.6g}", offset < 0 ? "-" : "+",
+                                                              std::abs(offset)),
+                                  out.joint));
     controls_.back().push_back({robot_.drives.size(), scale, offset});
     robot_.drives.push_back(std::move(out));
   }
   if (!acts->followers.empty())
-    means(fmt::format("it drives joint '{}', which the others follow",
-                      joint_at(acts->joints.front().first).name));
+    add_to(meaning, fmt::format("it drives joint '{}', which the others follow",
+                                joint_at(acts->joints.front().first).name));
   if (several)
     context_.approximate(
         source.at, quoted_name(source),
         fmt::format("is {} motors, one for each joint: {}", acts->joints.size(), meaning));
-  else if (note.empty())
-    context_.exact(source.at, quoted_name(source), meaning);
   else
-    context_.approximate(source.at, quoted_name(source),
-                         meaning.empty() ? note : note + "; " + meaning);
+    context_.exact_unless(source.at, quoted_name(source), law->note, meaning);
 }
 
 std::vector<double> MjcfReader::polynomial(const XmlElement& source, const XmlElement& e) {
@@ -177,6 +172,11 @@ std::vector<double> MjcfReader::polynomial(const XmlElement& source, const XmlEl
     out = context_.numbers(source, *text, 1, 5, "'polycoef'").value_or(out);
   out.resize(5, 0.0);
   return out;
+}
+
+std::string MjcfReader::beyond_linear(const std::vector<double>& poly) {
+  const bool linear = poly[2] == 0.0 && poly[3] == 0.0 && poly[4] == 0.0;
+  return linear ? "" : "only its linear part is taken";
 }
 
 void MjcfReader::equality(const XmlElement& source) {
@@ -200,10 +200,7 @@ void MjcfReader::equality(const XmlElement& source) {
     }
     const std::vector<double> poly = polynomial(source, e);
     joint_at(one).coupling = RobotCoupling{{{*b, poly[1]}}, poly[0]};
-    if (poly[2] != 0.0 || poly[3] != 0.0 || poly[4] != 0.0)
-      context_.approximate(source.at, quoted_name(source), "only its linear part is taken");
-    else
-      context_.exact(source.at, quoted_name(source));
+    context_.exact_unless(source.at, quoted_name(source), beyond_linear(poly));
     return;
   }
   if (source.name == "connect" || source.name == "weld") {
@@ -246,8 +243,8 @@ void MjcfReader::sensor(const XmlElement& e) {
     }
     out.element = "encoder";
     out.joint = *joint;
-    const RobotJoint& j = robot_.joints[static_cast<std::size_t>(robot_.joint(*joint))];
-    RobotLink& link = robot_.links[static_cast<std::size_t>(j.child)];
+    const RobotJoint& j = robot_.joints[robot_.joint(*joint)];
+    RobotLink& link = robot_.links[j.child];
     context_.exact(e.at, quoted_name(e));
     link.sensors.push_back(std::move(out));
     return;
@@ -262,7 +259,7 @@ void MjcfReader::sensor(const XmlElement& e) {
       return;
     }
     out.X = known->second.second;
-    RobotLink& link = robot_.links[static_cast<std::size_t>(robot_.link(known->second.first))];
+    RobotLink& link = robot_.links[robot_.link(known->second.first)];
     if (kind == "touch")
       context_.approximate(e.at, quoted_name(e), "reads all contacts of its body");
     else

@@ -44,7 +44,7 @@ void MjcfReader::world(const XmlElement& e) {
 
 RobotLink& MjcfReader::ground() {
   const int known = robot_.link("world");
-  if (known >= 0) return robot_.links[static_cast<std::size_t>(known)];
+  if (known >= 0) return robot_.links[known];
   RobotLink link;
   link.name = "world";
   link.is_static = true;

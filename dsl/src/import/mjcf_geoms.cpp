@@ -66,14 +66,12 @@ bool MjcfReader::geom_shape(const XmlElement& source, const XmlElement& e, const
     g.type = Geometry::Type::plane;
   } else if (kind == "hfield") {
     const std::string* name = e.find("hfield");
-    const auto known = name == nullptr ? hills_.end() : hills_.find(*name);
-    if (known == hills_.end()) {
+    const auto known = name == nullptr ? height_fields_.end() : height_fields_.find(*name);
+    if (known == height_fields_.end()) {
       context_.left_out(source.at, what, "its height field could not be read");
       return false;
     }
-    g.type = Geometry::Type::heightmap;
-    g.size = known->second.size;
-    g.heights = known->second.heights;
+    g = known->second;
   } else if (kind == "mesh" || mesh != nullptr) {
     return geom_mesh(source, mesh, kind, what, g);
   } else if (kind == "sphere") {

@@ -21,6 +21,48 @@ Result<> check_size(std::int64_t columns, std::int64_t rows) {
   return {};
 }
 
+Result<HeightField> read_heights(const std::string& path, std::size_t limit) {
+  auto bytes = read_whole_file(path, limit);
+  if (!bytes) return tl::unexpected(bytes.error());
+  HeightField field;
+  if (bytes->compare(0, 4, "\x89PNG") == 0) {
+    auto image = decode_image(*bytes);
+    if (!image) return tl::unexpected(image.error());
+    if (auto good = check_size(image->width, image->height); !good)
+      return tl::unexpected(good.error());
+    field.columns = image->width;
+    field.rows = image->height;
+    // MuJoCo takes the first channel of a coloured picture.
+    for (int r = 0; r < field.rows; ++r)
+      for (int c = 0; c < field.columns; ++c) field.samples.push_back(*image->pixel(c, r));
+    return field;
+  }
+  // Two numbers of 32 bits, rows and columns, and floats, the row with the lowest y first.
+  std::int32_t size[2] = {0, 0};
+  if (bytes->size() >= sizeof size) std::memcpy(size, bytes->data(), sizeof size);
+  if (auto good = check_size(size[1], size[0]); !good) return tl::unexpected(good.error());
+  field.rows = size[0];
+  field.columns = size[1];
+  const auto columns = static_cast<std::size_t>(size[1]), rows = static_cast<std::size_t>(size[0]);
+  if (bytes->size() != sizeof size + 4 * columns * rows)
+    return fail("is neither a PNG nor a file of heights in MuJoCo's format");
+  field.samples.resize(columns * rows);
+  for (std::size_t i = 0; i < columns * rows; ++i) {
+    float value = 0.0F;
+    std::memcpy(&value, bytes->data() + sizeof size + 4 * i, sizeof value);
+    if (!std::isfinite(value)) return fail("has heights that are not finite");
+    field.samples[(rows - 1 - i / columns) * columns + i % columns] = value;
+  }
+  return field;
+}
+
+/// From 0 to 1, as MuJoCo scales them.
+void normalize(HeightField& field) {
+  const auto [least, most] = std::minmax_element(field.samples.begin(), field.samples.end());
+  const double low = *least, range = *most - *least;
+  for (double& h : field.samples) h = range > 0.0 ? (h - low) / range : 0.0;
+}
+
 }  // namespace
 
 void MjcfReader::height_field(const XmlElement& source, const XmlElement& e,
@@ -35,10 +77,10 @@ void MjcfReader::height_field(const XmlElement& source, const XmlElement& e,
   auto field = heights(source, e);
   if (!field) return;
   normalize(*field);
-  Hills hills;
-  hills.size = Vec3(2.0 * extents->at(0), 2.0 * extents->at(1), extents->at(2));
-  hills.heights = std::make_shared<const HeightField>(std::move(*field));
-  hills_[key] = std::move(hills);
+  Geometry& g = height_fields_[key];
+  g.type = Geometry::Type::heightmap;
+  g.size = Vec3(2.0 * extents->at(0), 2.0 * extents->at(1), extents->at(2));
+  g.heights = std::make_shared<const HeightField>(std::move(*field));
   context_.exact(source.at, quoted_name(source), "its surface, without the base below it");
 }
 
@@ -76,47 +118,6 @@ std::optional<HeightField> MjcfReader::heights(const XmlElement& source, const X
   if (!values) return std::nullopt;
   field.samples = std::move(*values);
   return field;
-}
-
-Result<HeightField> MjcfReader::read_heights(const std::string& path, std::size_t limit) {
-  auto bytes = read_whole_file(path, limit);
-  if (!bytes) return tl::unexpected(bytes.error());
-  HeightField field;
-  if (bytes->compare(0, 4, "\x89PNG") == 0) {
-    auto image = decode_image(*bytes);
-    if (!image) return tl::unexpected(image.error());
-    if (auto good = check_size(image->width, image->height); !good)
-      return tl::unexpected(good.error());
-    field.columns = image->width;
-    field.rows = image->height;
-    // MuJoCo takes the first channel of a coloured picture.
-    for (int r = 0; r < field.rows; ++r)
-      for (int c = 0; c < field.columns; ++c) field.samples.push_back(*image->pixel(c, r));
-    return field;
-  }
-  // Two numbers of 32 bits, rows and columns, and floats, the row with the lowest y first.
-  std::int32_t size[2] = {0, 0};
-  if (bytes->size() >= sizeof size) std::memcpy(size, bytes->data(), sizeof size);
-  if (auto good = check_size(size[1], size[0]); !good) return tl::unexpected(good.error());
-  field.rows = size[0];
-  field.columns = size[1];
-  const auto columns = static_cast<std::size_t>(size[1]), rows = static_cast<std::size_t>(size[0]);
-  if (bytes->size() != sizeof size + 4 * columns * rows)
-    return fail("is neither a PNG nor a file of heights in MuJoCo's format");
-  field.samples.resize(columns * rows);
-  for (std::size_t i = 0; i < columns * rows; ++i) {
-    float value = 0.0F;
-    std::memcpy(&value, bytes->data() + sizeof size + 4 * i, sizeof value);
-    if (!std::isfinite(value)) return fail("has heights that are not finite");
-    field.samples[(rows - 1 - i / columns) * columns + i % columns] = value;
-  }
-  return field;
-}
-
-void MjcfReader::normalize(HeightField& field) {
-  const auto [least, most] = std::minmax_element(field.samples.begin(), field.samples.end());
-  const double low = *least, range = *most - *least;
-  for (double& h : field.samples) h = range > 0.0 ? (h - low) / range : 0.0;
 }
 
 }  // namespace cogrsim::dsl::import

@@ -29,8 +29,7 @@ void MjcfReader::keyframes(const XmlElement& root) {
   }
   if (found || wanted.empty()) return;
   std::string list;
-  for (std::size_t i = 0; i < names.size() && i < 20; ++i)
-    list += fmt::format("{}'{}'", i == 0 ? "" : ", ", names[i]);
+  for (std::size_t i = 0; i < names.size() && i < 20; ++i) add_to(list, "'" + names[i] + "'", ", ");
   const std::string near = nearest_name(wanted, names);
   context_.error(at, "CG1408", fmt::format("there is no keyframe '{}'", wanted),
                  names.empty() ? "the model has none"
@@ -78,7 +77,7 @@ void MjcfReader::start_at(const XmlElement& key) {
   for (const char* name : {"qvel", "act", "mpos", "mquat"})
     if (const std::string* text = key.find(name); text != nullptr) {
       const bool zero = text->find_first_of("123456789") == std::string::npos;
-      if (!zero) rest += (rest.empty() ? "" : ", ") + std::string(name);
+      if (!zero) add_to(rest, name, ", ");
     }
   const std::string what = quoted_name(key);
   if (rest.empty())

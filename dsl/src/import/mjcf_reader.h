@@ -28,10 +28,6 @@ class MjcfReader {
     Vec3 scale = Vec3::Ones();
     Source at;
   };
-  struct Hills {
-    Vec3 size = Vec3::Zero();  ///< whole extents
-    std::shared_ptr<const HeightField> heights;
-  };
   /// The content of a <body>, with the defaults of its classes.
   struct BodyParts {
     RobotLink link;
@@ -90,9 +86,6 @@ class MjcfReader {
   void height_field(const XmlElement& source, const XmlElement& e, const std::string& key);
   /// From a picture, a file of MuJoCo's format, or the element. Empty: none, which was reported.
   std::optional<HeightField> heights(const XmlElement& source, const XmlElement& e);
-  static Result<HeightField> read_heights(const std::string& path, std::size_t limit);
-  /// From 0 to 1, as MuJoCo scales them.
-  static void normalize(HeightField& field);
 
   // ---- attributes with defaults
   /// The element with what its class, or the class of the bodies around it, says for it.
@@ -151,6 +144,8 @@ class MjcfReader {
   double largest(const XmlElement& e, const char* range);
   void equality(const XmlElement& source);
   std::vector<double> polynomial(const XmlElement& source, const XmlElement& e);
+  /// What of it a coupling does not have; empty: nothing.
+  static std::string beyond_linear(const std::vector<double>& poly);
   void sensor(const XmlElement& e);
   void contact(const XmlElement& e);
 
@@ -160,6 +155,8 @@ class MjcfReader {
 
   // ---- tendons
   void tendon(const XmlElement& source);
+  /// `springlength`: one number or two; empty: not given.
+  std::vector<double> spring_lengths(const XmlElement& e);
   void spatial_tendon(const XmlElement& source, const XmlElement& e);
   void tendon_equality(const XmlElement& source, const XmlElement& e);
   /// Spring, damping, friction and limits of a fixed tendon.
@@ -171,17 +168,14 @@ class MjcfReader {
   bool leads_to(int from, int to);
   int joint_index(const std::string& name);
   double ref(int joint) const;
-  bool has_one_axis(int joint) const;
-  RobotJoint& joint_at(int index) { return robot_.joints[static_cast<std::size_t>(index)]; }
-  const RobotJoint& joint_at(int index) const {
-    return robot_.joints[static_cast<std::size_t>(index)];
-  }
+  RobotJoint& joint_at(int index) { return robot_.joints[index]; }
+  const RobotJoint& joint_at(int index) const { return robot_.joints[index]; }
 
   Context& context_;
   RobotModel robot_;
   std::map<std::string, Defaults> classes_;
   std::map<std::string, Mesh> meshes_;
-  std::map<std::string, Hills> hills_;
+  std::map<std::string, Geometry> height_fields_;
   std::map<std::string, Result<MassProperties>> mesh_masses_;
   std::map<std::string, Color> materials_;
   std::map<std::string, std::pair<std::string, Pose>> sites_;  // link and pose

@@ -26,11 +26,6 @@ double MjcfReader::ref(int joint) const {
   return found == refs_.end() ? 0.0 : found->second;
 }
 
-bool MjcfReader::has_one_axis(int joint) const {
-  const RobotJoint::Type type = joint_at(joint).type;
-  return type == RobotJoint::Type::hinge || type == RobotJoint::Type::slider;
-}
-
 void MjcfReader::tendon(const XmlElement& source) {
   Tendon t;
   t.e = with_defaults(source, "", "tendon");
@@ -42,7 +37,7 @@ void MjcfReader::tendon(const XmlElement& source) {
   for (const auto& c : source.children) {
     const std::string* name = c->name == "joint" ? c->find("joint") : nullptr;
     const int joint = name == nullptr ? -1 : joint_index(*name);
-    if (joint < 0 || !has_one_axis(joint)) {
+    if (joint < 0 || !joint_at(joint).has_one_axis()) {
       context_.left_out(source.at, quoted_name(source), "needs hinges and slides of the model");
       return;
     }
@@ -58,6 +53,12 @@ bool MjcfReader::is_limited(const XmlElement& e) const {
   const std::string* limited = e.find("limited");
   if (e.find("range") == nullptr) return false;
   return limited == nullptr || *limited == "auto" ? auto_limits_ : *limited == "true";
+}
+
+std::vector<double> MjcfReader::spring_lengths(const XmlElement& e) {
+  const std::string* text = e.find("springlength");
+  if (text == nullptr) return {};
+  return context_.numbers(e, *text, 1, 2, "'springlength'").value_or(std::vector<double>());
 }
 
 void MjcfReader::spatial_tendon(const XmlElement& source, const XmlElement& e) {
@@ -80,9 +81,7 @@ void MjcfReader::spatial_tendon(const XmlElement& source, const XmlElement& e) {
   }
   s.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
   s.damping = std::max(0.0, context_.number(e, "damping", 0.0));
-  std::vector<double> rest;
-  if (const std::string* text = e.find("springlength"))
-    rest = context_.numbers(e, *text, 1, 2, "'springlength'").value_or(rest);
+  std::vector<double> rest = spring_lengths(e);
   if (rest.size() == 1) rest.push_back(rest.front());
   if (!rest.empty() && rest.front() >= 0.0) {
     s.length = rest[1];
@@ -92,7 +91,7 @@ void MjcfReader::spatial_tendon(const XmlElement& source, const XmlElement& e) {
   const bool rubs = context_.number(e, "frictionloss", 0.0) > 0.0;
   std::string note;
   const auto add = [&](bool when, const char* text) {
-    if (when) note += std::string(note.empty() ? "" : "; ") + text;
+    if (when) add_to(note, text);
   };
   add(bounded,
       "it limits the length of a path, which nothing in a scene does; near is "
@@ -111,10 +110,7 @@ void MjcfReader::spatial_tendon(const XmlElement& source, const XmlElement& e) {
       "springlength");
   add(s.pulls_only && s.damping > 0.0, "it damps only where it is taut");
   robot_.springs.push_back(std::move(s));
-  if (note.empty())
-    context_.exact(source.at, what);
-  else
-    context_.approximate(source.at, what, note);
+  context_.exact_unless(source.at, what, note);
 }
 
 void MjcfReader::JointSum::add(int joint, double factor) {
@@ -211,10 +207,8 @@ void MjcfReader::tendon_equality(const XmlElement& source, const XmlElement& e) 
     if (joint != follower->first)
       coupling.terms.push_back({joint_at(joint).name, -coef / follower->second});
   joint_at(follower->first).coupling = std::move(coupling);
-  if (second == nullptr || (poly[2] == 0.0 && poly[3] == 0.0 && poly[4] == 0.0))
-    context_.exact(source.at, quoted_name(source));
-  else
-    context_.approximate(source.at, quoted_name(source), "only its linear part is taken");
+  context_.exact_unless(source.at, quoted_name(source),
+                        second == nullptr ? "" : beyond_linear(poly));
 }
 
 void MjcfReader::tendon_passive(Tendon& t) {
@@ -238,9 +232,7 @@ void MjcfReader::tendon_passive(Tendon& t) {
   const auto at_length = [&](double length) { return (length - t.sum->at_zero) / coef; };
   std::string note;
   if (stiffness > 0.0) {
-    std::vector<double> rest;
-    if (const std::string* text = e.find("springlength"))
-      rest = context_.numbers(e, *text, 1, 2, "'springlength'").value_or(rest);
+    std::vector<double> rest = spring_lengths(e);
     if (rest.empty() || rest.front() == -1.0) {
       // The length with all joints at their springref.
       rest = {0.0};
@@ -268,10 +260,8 @@ void MjcfReader::tendon_passive(Tendon& t) {
       note = "its limits, which exclude those of the joint, are left out";
     }
   }
-  if (note.empty())
-    context_.exact(e.at, what, fmt::format("are those of joint '{}'", j.name));
-  else
-    context_.approximate(e.at, what, note);
+  context_.exact_unless(e.at, what, note,
+                        note.empty() ? fmt::format("are those of joint '{}'", j.name) : "");
 }
 
 }  // namespace cogrsim::dsl::import

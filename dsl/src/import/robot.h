@@ -119,6 +119,10 @@ struct RobotJoint {
   double pitch = 0.0;            ///< of a screw [m/turn]
   std::optional<RobotCoupling> coupling;
   Source at;
+
+  bool has_one_axis() const {
+    return type == Type::hinge || type == Type::slider || type == Type::screw;
+  }
 };
 
 /// A motor or servo on a joint.
@@ -158,6 +162,8 @@ struct RobotModel {
 
   int link(const std::string& name) const;
   int joint(const std::string& name) const;
+  /// Whether a link never moves; -1: the world.
+  bool stands(int link) const { return link < 0 || links[link].is_static; }
 };
 
 /// R = Rz(yaw) Ry(pitch) Rx(roll): rotations about fixed x, y and z axes [rad].

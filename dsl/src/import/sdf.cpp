@@ -469,9 +469,8 @@ class SdfReader {
                      fmt::format("joint '{}' connects '{}' to itself", *name, child));
       return;
     }
-    const Pose X_WC = robot_.links[static_cast<std::size_t>(out.child)].X;
-    const Pose X_WP =
-        out.parent < 0 ? Pose() : robot_.links[static_cast<std::size_t>(out.parent)].X;
+    const Pose X_WC = robot_.links[out.child].X;
+    const Pose X_WP = out.parent < 0 ? Pose() : robot_.links[out.parent].X;
     out.X_PC = X_WP.inverse() * X_WC;
     const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, poses, e, 0));
     out.anchor = X_CJ.p;
@@ -502,10 +501,9 @@ class SdfReader {
     context_.exact(e.at, quoted_name(e));
     // A second joint on a link closes a loop, and one on a link that its parent hangs on.
     carrier_.resize(robot_.links.size(), kNoLink);
-    int& carrier = carrier_[static_cast<std::size_t>(out.child)];
+    int& carrier = carrier_[out.child];
     bool closes = carrier != kNoLink;
-    for (int up = out.parent; up >= 0 && !closes; up = carrier_[static_cast<std::size_t>(up)])
-      closes = up == out.child;
+    for (int up = out.parent; up >= 0 && !closes; up = carrier_[up]) closes = up == out.child;
     if (!closes) carrier = out.parent;
     (closes ? robot_.loops : robot_.joints).push_back(std::move(out));
   }

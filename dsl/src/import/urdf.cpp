@@ -475,10 +475,12 @@ class UrdfReader {
         at = static_cast<int>(i);
     }
     std::string roots;
+    std::size_t top = 0;
     int count = 0;
     for (std::size_t i = 0; i < carrier.size(); ++i) {
       if (carrier[i] >= 0) continue;
-      if (++count <= 5) roots += (roots.empty() ? "'" : ", '") + robot_.links[i].name + "'";
+      if (++count <= 5) add_to(roots, "'" + robot_.links[i].name + "'", ", ");
+      top = i;
     }
     if (count == 0)
       context_.error(root.at, "CG1410", "no link is the root: the joints go in a circle");
@@ -487,10 +489,8 @@ class UrdfReader {
                      "join them, or remove those that do not belong to the robot");
     if (count != 1 || context_.failed()) return;
     // By the convention of ROS the root 'world' is the world, to which joints hold the robot.
-    for (std::size_t i = 0; i < carrier.size(); ++i) {
-      RobotLink& link = robot_.links[i];
-      if (carrier[i] >= 0 || link.name != "world" || link.inertia || robot_.joints.empty())
-        continue;
+    if (RobotLink& link = robot_.links[top];
+        link.name == "world" && !link.inertia && !robot_.joints.empty()) {
       link.is_static = true;
       context_.exact(link.at, "link 'world'",
                      "is the world: what a fixed joint joins to it is static");

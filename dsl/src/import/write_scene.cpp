@@ -5,13 +5,14 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <set>
 #include <unordered_map>
 
+#include "assets/mesh_file.h"
 #include "import/robot.h"
+#include "import/scene_text.h"
 #include "syntax/text.h"
 
 namespace cogrsim::dsl::import {
@@ -20,40 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      out += c;
-  }
-  return out;
-}
-
-std::string list(const Vec3& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
-
-/// -0 becomes 0, and what is zero but for rounding too.
-double tidy(double x) { return std::abs(x) < 1e-15 ? 0.0 : x; }
-Vec3 tidy(const Vec3& v) { return {tidy(v[0]), tidy(v[1]), tidy(v[2])}; }
-
-std::string read_bytes(const std::string& path, std::size_t limit) {
-  std::ifstream in(path, std::ios::binary);
-  std::string out;
-  std::string block(std::size_t{1} << 16, '\0');
-  while (in && out.size() <= limit) {
-    in.read(block.data(), static_cast<std::streamsize>(block.size()));
-    out.append(block, 0, static_cast<std::size_t>(in.gcount()));
-  }
-  return out;
-}
-
 class SceneWriter {
  public:
   SceneWriter(Context& context, const RobotModel& robot) : context_(context), robot_(robot) {}
@@ -61,7 +28,7 @@ class SceneWriter {
   void write() {
     find_couplings();
     inboard_.assign(robot_.links.size(), nullptr);
-    for (const RobotJoint& j : robot_.joints) inboard_[static_cast<std::size_t>(j.child)] = &j;
+    for (const RobotJoint& j : robot_.joints) inboard_[j.child] = &j;
     poses_ =
         find_poses([this](const RobotJoint& j) { return travel(j, start_in_scene(j), j.turn); });
     zero_poses_ = find_poses([](const RobotJoint&) { return Pose(); });
@@ -124,15 +91,10 @@ class SceneWriter {
   }
 
  private:
-  static std::string comment(std::string text) {
-    for (std::size_t i; (i = text.find("--")) != std::string::npos;) text.replace(i, 2, "- -");
-    return escaped(text);
-  }
-
   /// The joint nearest above a link that a coupling moves at the start, or null.
   const RobotJoint* coupled_above(int link) const {
     while (link >= 0) {
-      const RobotJoint* const j = inboard_[static_cast<std::size_t>(link)];
+      const RobotJoint* const j = inboard_[link];
       if (j == nullptr) return nullptr;
       const auto start = coupled_starts_.find(j);
       if (start != coupled_starts_.end() && start->second != 0.0) return j;
@@ -141,14 +103,10 @@ class SceneWriter {
     return nullptr;
   }
 
-  bool stands(int link) const {
-    return link < 0 || robot_.links[static_cast<std::size_t>(link)].is_static;
-  }
-
   /// Whether a loop has an effect, and is closed where the robot starts: a loop is defined at the
   /// joints' zeros, which limits may exclude.
   bool closes(const RobotJoint& j) {
-    if (j.parent == j.child || (stands(j.parent) && stands(j.child))) {
+    if (j.parent == j.child || (robot_.stands(j.parent) && robot_.stands(j.child))) {
       context_.left_out(j.at, fmt::format("loop '{}'", j.name), "joins what does not move");
       return false;
     }
@@ -175,14 +133,14 @@ class SceneWriter {
     std::vector<Pose> out;
     for (const RobotLink& l : robot_.links) out.push_back(l.X);
     std::vector<bool> known(robot_.links.size(), true);
-    for (const RobotJoint& j : robot_.joints) known[static_cast<std::size_t>(j.child)] = false;
+    for (const RobotJoint& j : robot_.joints) known[j.child] = false;
     bool moved = true;
     while (moved) {
       moved = false;
       for (const RobotJoint& j : robot_.joints) {
         const auto child = static_cast<std::size_t>(j.child);
-        if (known[child] || (j.parent >= 0 && !known[static_cast<std::size_t>(j.parent)])) continue;
-        const Pose parent = j.parent < 0 ? Pose() : out[static_cast<std::size_t>(j.parent)];
+        if (known[child] || (j.parent >= 0 && !known[j.parent])) continue;
+        const Pose parent = j.parent < 0 ? Pose() : out[j.parent];
         out[child] = parent * j.X_PC * moved_by(j);
         known[child] = true;
         moved = true;
@@ -205,30 +163,6 @@ class SceneWriter {
   /// Where it starts: its position, or the limit nearest to it.
   static double start_of(const RobotJoint& j) { return std::clamp(j.position, j.lower, j.upper); }
 
-  static std::string pose_text(const Pose& X) {
-    std::string out;
-    const Vec3 p = tidy(X.p);
-    if (p != Vec3::Zero()) out += fmt::format(" xyz=\"{}\"", list(p));
-    const Quat q = X.q.w() < 0 ? Quat(-X.q.w(), -X.q.x(), -X.q.y(), -X.q.z()) : X.q;
-    if (q.vec().norm() < 1e-15) return out;
-    // Angles that a person would write are written in degrees.
-    const Mat3 R = q.toRotationMatrix();
-    const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-    Vec3 rpy;
-    if (std::abs(R(2, 0)) < 1.0 - 1e-12)
-      rpy = Vec3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0)));
-    else
-      rpy = Vec3(0.0, pitch, std::atan2(-R(0, 1), R(1, 1)));
-    Vec3 degrees = rpy * (180.0 / kPi);
-    const Vec3 round = degrees.array().round();
-    // To 1e-13 rad: what is written differs from what was read by less than rounding of the poses.
-    if (from_rpy(round * (kPi / 180.0)).angularDistance(q) < 1e-13)
-      return out +
-             fmt::format(" rpy=\"{} {} {} deg\"", tidy(round[0]), tidy(round[1]), tidy(round[2]));
-    return out +
-           fmt::format(" quat=\"{} {} {} {}\"", tidy(q.w()), tidy(q.x()), tidy(q.y()), tidy(q.z()));
-  }
-
   void link(std::size_t index) {
     const RobotLink& l = robot_.links[index];
     std::string& out = *body_;
@@ -237,9 +171,7 @@ class SceneWriter {
     for (const RobotJoint& j : robot_.joints)
       if (j.child == static_cast<int>(index)) by = &j;
     if (by != nullptr) {
-      if (by->parent >= 0)
-        out +=
-            fmt::format(" frame=\"{}\"", robot_.links[static_cast<std::size_t>(by->parent)].name);
+      if (by->parent >= 0) out += fmt::format(" frame=\"{}\"", robot_.links[by->parent].name);
       out += pose_text(by->X_PC);
     } else {
       out += pose_text(l.X);
@@ -404,9 +336,8 @@ class SceneWriter {
     if (field.samples.size() <= kMostInScene || context_.options.prototype_only) {
       for (int r = field.rows - 1; r >= 0; --r)
         for (int c = 0; c < field.columns; ++c)
-          text += fmt::format(
-              "{}{}", text.empty() ? "" : " ",
-              g.size[2] * field.samples[static_cast<std::size_t>(r * field.columns + c)]);
+          text += fmt::format("{}{}", text.empty() ? "" : " ",
+                              g.size[2] * field.samples[r * field.columns + c]);
       return {"heightmap",
               attributes + fmt::format(" columns=\"{}\" heights=\"{}\"", field.columns, text)};
     }
@@ -501,7 +432,7 @@ class SceneWriter {
     if (options.copy_meshes.empty() && inside && plain) return text;
     if (options.refer) return "";
     return add_file(fs::path(path).filename().string(),
-                    read_bytes(path, options.limits.asset_bytes));
+                    read_whole_file(path, options.limits.asset_bytes).value_or(""));
   }
 
   static void passive(const RobotJoint& j, bool slides, std::string& out) {
@@ -546,13 +477,11 @@ class SceneWriter {
         break;
     }
     out += fmt::format("    <{} name=\"{}\"", tag, j.name);
-    if (j.parent >= 0)
-      out += fmt::format(" parent=\"{}\"", robot_.links[static_cast<std::size_t>(j.parent)].name);
-    out += fmt::format(" child=\"{}\"", robot_.links[static_cast<std::size_t>(j.child)].name);
+    if (j.parent >= 0) out += fmt::format(" parent=\"{}\"", robot_.links[j.parent].name);
+    out += fmt::format(" child=\"{}\"", robot_.links[j.child].name);
     if (j.anchor != Vec3::Zero())
       out +=
-          fmt::format(" frame=\"{}\" xyz=\"{}\"",
-                      robot_.links[static_cast<std::size_t>(j.child)].name, list(tidy(j.anchor)));
+          fmt::format(" frame=\"{}\" xyz=\"{}\"", robot_.links[j.child].name, list(tidy(j.anchor)));
     const bool turns = j.type == Type::hinge || j.type == Type::screw;
     const bool slides = j.type == Type::slider;
     if ((turns || slides || j.type == Type::planar || j.type == Type::universal) &&
@@ -595,11 +524,6 @@ class SceneWriter {
                         fmt::format("a {} joint has none here", tag));
   }
 
-  static bool has_one_axis(const RobotJoint& j) {
-    using Type = RobotJoint::Type;
-    return j.type == Type::hinge || j.type == Type::slider || j.type == Type::screw;
-  }
-
   /// Finds which couplings the scene can have, and where they put their joints at the start: a joint
   /// that others follow before those. What is left over follows a circle.
   void find_couplings() {
@@ -633,11 +557,11 @@ class SceneWriter {
               const std::unordered_map<std::string, const RobotJoint*>& named) {
     constexpr double kOff = 1e-6;
     double start = j.coupling->offset;
-    bool one_axis = has_one_axis(j);
+    bool one_axis = j.has_one_axis();
     for (const RobotCoupling::Term& t : j.coupling->terms) {
       const RobotJoint& other = *named.at(t.joint);
       start += t.ratio * start_in_scene(other);
-      one_axis = one_axis && has_one_axis(other);
+      one_axis = one_axis && other.has_one_axis();
     }
     std::string& why = uncoupled_[&j];
     if (!one_axis) {
@@ -664,8 +588,7 @@ class SceneWriter {
 
   static std::string leaders(const RobotCoupling& coupling, const char* between) {
     std::string out;
-    for (const RobotCoupling::Term& t : coupling.terms)
-      out += (out.empty() ? "" : between) + t.joint;
+    for (const RobotCoupling::Term& t : coupling.terms) add_to(out, t.joint, between);
     return out;
   }
 
@@ -683,7 +606,7 @@ class SceneWriter {
       std::string ratios;
       bool plain = true;
       for (const RobotCoupling::Term& t : coupling.terms) {
-        ratios += fmt::format("{}{}", ratios.empty() ? "" : " ", t.ratio);
+        add_to(ratios, fmt::format("{}", t.ratio), " ");
         plain = plain && t.ratio == 1.0;
       }
       if (!plain || coupling.terms.size() > 1) *body_ += fmt::format(" ratio=\"{}\"", ratios);
@@ -728,7 +651,7 @@ class SceneWriter {
     for (const RobotDrive& d : robot_.drives) {
       const int j = robot_.joint(d.joint);
       if (j < 0) continue;
-      const RobotJoint& joint = robot_.joints[static_cast<std::size_t>(j)];
+      const RobotJoint& joint = robot_.joints[j];
       for (const std::string& follower : d.followers)
         if (moved.count(follower) == 0)
           context_.approximate(
@@ -801,7 +724,7 @@ class SceneWriter {
 
   void sensor(const RobotLink& l, const RobotSensor& s) {
     std::string& out = *body_;
-    const Vec3 p = poses_[static_cast<std::size_t>(&l - robot_.links.data())] * s.X.p;
+    const Vec3 p = poses_[&l - robot_.links.data()] * s.X.p;
     const bool below_floor =
         context_.options.floor && !robot_.has_ground && !extent_.empty() && p[2] < extent_.low[2];
     if (s.element == "camera" && (below_floor || is_inside(p))) {

@@ -106,7 +106,7 @@ class Xacro {
       std::ifstream in(*found, std::ios::binary);
       std::string bytes((1u << 20) + 1, '\0');
       in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-      bytes.resize(static_cast<std::size_t>(in.gcount()));
+      bytes.resize(in.gcount());
       PyScope plain;
       plain.budget = &budget_;
       return parse_yaml(bytes, plain);
