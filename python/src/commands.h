@@ -6,8 +6,8 @@
 
 namespace cogrsim::python {
 
-/// Adds a method per command to a class. `send(object, command)`.
-/// `Self`: how the methods take their object. A shared pointer is refused by pybind11 where __init__() was not called.
+/// Adds a method per command to a class. `send(object, command)`. `Self`: how the methods take their
+/// object; pybind11 refuses a shared pointer where __init__() was not called.
 template <class Self, class Type, class Send>
 void add_commands(Type& type, Send send);
 
@@ -160,12 +160,9 @@ void add_commands(Type& type, Send send) {
           },
           py::arg("body"), py::arg("force") = none, py::kw_only(), py::arg("torque") = none,
           py::arg("point") = none, py::arg("axes") = "world", py::arg("duration") = 0.0,
-          "Apply a force (3,) [N] and a torque (3,) [N m] to a body. point: where the force acts, "
-          "in "
-          "the\n"
-          "frame of the body [m]. axes: 'world', or 'own': they turn with the body. duration [s]; "
-          "0: "
-          "one step.");
+          "Apply a force (3,) [N] and a torque (3,) [N m] to a body. point: where the force acts,\n"
+          "in the frame of the body [m]. axes: 'world', or 'own': they turn with the body.\n"
+          "duration [s]; 0: one step.");
 }
 
 }  // namespace cogrsim::python
