@@ -73,9 +73,7 @@ void MjcfReader::compiler(const XmlElement& e) {
       degrees_ = value != "radian";
     else if (key == "eulerseq" && value.size() == 3)
       euler_ = value;
-    else if (key == "meshdir")
-      mesh_dir_ = value;
-    else if (key == "assetdir" && e.find("meshdir") == nullptr)
+    else if (key == "meshdir" || (key == "assetdir" && e.find("meshdir") == nullptr))
       mesh_dir_ = value;
     else if (key == "autolimits")
       auto_limits_ = value != "false";

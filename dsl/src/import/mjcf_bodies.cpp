@@ -237,7 +237,7 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
       next.name = fmt::format("{}_{}", name, i + 1);
       next.at = link.at;
     } else {
-      next = std::move(link);
+      next = link;
     }
     robot_.links.push_back(std::move(next));
     made[i].parent = from;

@@ -227,8 +227,8 @@ void MjcfReader::tendon_passive(Tendon& t) {
                       "each joint alone");
     return;
   }
-  const auto& [index, coef] = t.sum->joints.front();
-  RobotJoint& j = joint_at(index);
+  const double coef = t.sum->joints.front().second;
+  RobotJoint& j = joint_at(t.sum->joints.front().first);
   const auto at_length = [&](double length) { return (length - t.sum->at_zero) / coef; };
   std::string note;
   if (stiffness > 0.0) {

@@ -71,7 +71,7 @@ void repair_inertias(Context& context, RobotModel& robot) {
     RobotInertia& inertia = *link.inertia;
     Eigen::SelfAdjointEigenSolver<Mat3> solver(0.5 * (inertia.I + inertia.I.transpose()));
     if (solver.info() != Eigen::Success) continue;
-    const Vec3 before = solver.eigenvalues();  // ascending
+    const Vec3& before = solver.eigenvalues();  // ascending
     Vec3 m = before;
     // A point mass is legal in a file and singular in an engine: a ball of a hundredth of a millimetre.
     const double least = std::max(1e-9 * std::abs(m[2]), 0.4 * inertia.mass * 1e-10);
@@ -86,7 +86,7 @@ void repair_inertias(Context& context, RobotModel& robot) {
     const bool changed =
         before[0] <= 0.0 || (m - before).cwiseAbs().maxCoeff() > 1e-9 * std::abs(m[2]);
     if (m == before && (inertia.I - inertia.I.transpose()).cwiseAbs().maxCoeff() == 0.0) continue;
-    const Mat3 V = solver.eigenvectors();
+    const Mat3& V = solver.eigenvectors();
     inertia.I = V * m.asDiagonal() * V.transpose();
     inertia.I = 0.5 * (inertia.I + inertia.I.transpose()).eval();
     if (changed)

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <set>
 
@@ -12,8 +11,6 @@
 #include "import/robot.h"
 
 namespace cogrsim::dsl::import {
-
-namespace fs = std::filesystem;
 
 namespace {
 
