@@ -313,9 +313,11 @@ class SceneWriter {
                         ? fmt::format(" scale=\"{}\"", scale[0])
                         : fmt::format(" scale=\"{}\"", list(scale));
     const std::string& reason = context_.options.without.concave_meshes;
-    const bool convex = !l.is_static || (s.collides && !reason.empty());
+    // MuJoCo's meshes collide as their hulls, also of static bodies.
+    const bool is_hull = s.collides && context_.result.format == "MJCF";
+    const bool convex = !l.is_static || is_hull || (s.collides && !reason.empty());
     if (convex) attributes += " convex=\"true\"";
-    if (s.collides && convex)
+    if (s.collides && convex && !is_hull)
       context_.approximate(
           s.at, fmt::format("collision mesh of '{}'", l.name),
           l.is_static ? "collides as its convex hull: " + reason : "collides as its convex hull");
