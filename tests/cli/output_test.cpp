@@ -423,3 +423,45 @@ TEST_CASE("an import copies meshes into a folder beside its scene only", "[cli][
   CHECK(fs::exists(folder / "scene/shapes/a.obj"));
   CHECK_FALSE(fs::exists(folder / "outside"));
 }
+
+TEST_CASE("an import parts links that start inside each other, and knows who runs it", "[cli]") {
+  const TemporaryFolder folder;
+  const auto link = [](const std::string& name, const std::string& shape) {
+    return "<link name=\"" + name + R"("><inertial><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>)" +
+           shape + "</link>\n";
+  };
+  const auto box = [](const std::string& edge) {
+    return "<collision><geometry><box size=\"" + edge + ' ' + edge + ' ' + edge +
+           "\"/></geometry></collision>";
+  };
+  // A range of 5 rad, which engines that measure angles within one turn may refuse.
+  const std::string hinge = R"(<axis xyz="0 1 0"/><limit lower="-1" upper="4" effort="9"
+velocity="9"/></joint>)";
+  put(folder / "a.urdf", "<robot name=\"a\">" + link("base", box("0.2")) + link("upper", "") +
+                             link("fore", box("0.1")) + R"(
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>)" +
+                             hinge + R"(
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
+<origin xyz="0.1 0 0"/>)" + hinge +
+                             "</robot>");
+  const std::string scene = folder / "a.scene.xml";
+  const Outcome made = cogrsim_run({"import", folder / "a.urdf", "-o", scene});
+  REQUIRE(made.status == 0);
+  CHECK_THAT(made.err, Contains("links 'base' and 'fore': start 50 mm inside each other"));
+  CHECK_THAT(read_file(scene), Contains(R"(<collide between="base fore" with="false"/>)"));
+  CHECK_THAT(cogrsim_run({"check", scene}).out, !Contains("CG2001"));
+
+  std::istringstream lines(made.err);
+  std::size_t engines = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool runs = line.find(" runs it") != std::string::npos;
+    if (!runs && line.find(" does not run it: ") == std::string::npos) continue;
+    ++engines;
+    std::string engine;
+    std::istringstream(line) >> engine;
+    INFO(line);
+    CHECK(cogrsim_run({"run", scene, "-b", engine, "-d", "0.01"}).status == (runs ? 0 : 1));
+  }
+  CHECK(engines > 0);
+}

@@ -91,3 +91,17 @@ TEST_CASE("a ball joint of MJCF has its passive efforts", "[mjcf]") {
   CHECK(axis.friction == 0.3);
   CHECK(axis.rotor_inertia == 0.02);
 }
+
+TEST_CASE("meshes of MJCF collide as their hulls, also those of the world", "[mjcf]") {
+  Imported in;
+  in.folder.write("m.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  in.read(R"(<mujoco><asset><mesh name="m" file="m.obj"/></asset><worldbody>
+      <geom type="mesh" mesh="m"/>
+      <body name="b" pos="0 0 2"><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  REQUIRE(in.model->bodies.size() == 2);
+  for (const Body& body : in.model->bodies) CHECK(body.shapes.at(0).type == ShapeType::convex_mesh);
+  CHECK_FALSE(in.reports(kApproximate, "collision mesh"));
+}

@@ -14,6 +14,7 @@ namespace {
 constexpr double kMostMargin = 1e-3;      // rounding of edges in distance queries [m]
 constexpr double kMarginFraction = 0.05;  // of the smallest half extent
 constexpr int kCapCorners = 16;
+constexpr int kManyCorners = 64;  // with fewer, looking at all is as fast as a walk
 // Leaning less than this, a standing cylinder's corners stay with the cylinder [rad]: the direction
 // of its lean is noise then, and what the polygon misses, (1 - cos(pi / 16)) R 3e-3, is nothing.
 constexpr double kUpright = 3e-3;
@@ -23,6 +24,65 @@ btVector3 bt(const Vec3& v) { return {v[0], v[1], v[2]}; }
 double margin_for(double smallest_half_extent) {
   return std::min(kMostMargin, kMarginFraction * smallest_half_extent);
 }
+
+// A hull of many corners, as scanned and drawn meshes have: the farthest is found by a walk along the
+// edges, which passes about sqrt(n) of n corners. On a convex hull a corner that none of its neighbours
+// exceeds is the farthest.
+class WalkedHull final : public btConvexInternalAabbCachingShape {
+ public:
+  explicit WalkedHull(const btConvexHullComputer& hull) {
+    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+    const auto count = std::size_t(hull.vertices.size());
+    std::vector<std::vector<int>> neighbours(count);
+    for (int i = 0; i < hull.edges.size(); ++i)
+      neighbours[std::size_t(hull.edges[i].getSourceVertex())].push_back(
+          hull.edges[i].getTargetVertex());
+    for (std::size_t i = 0; i < count; ++i) {
+      points_.push_back(hull.vertices[int(i)]);
+      first_.push_back(neighbours_.size());
+      neighbours_.insert(neighbours_.end(), neighbours[i].begin(), neighbours[i].end());
+    }
+    first_.push_back(neighbours_.size());
+    for (int k = 0; k < 8; ++k)
+      starts_[k] = walk(0, btVector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+    recalcLocalAabb();
+  }
+
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {
+    return points_[walk(starts_[(d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0)], d)];
+  }
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions,
+                                                         btVector3* out, int count) const override {
+    for (int i = 0; i < count; ++i) out[i] = localGetSupportingVertexWithoutMargin(directions[i]);
+  }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "WalkedHull"; }
+
+ private:
+  std::size_t walk(std::size_t at, const btVector3& d) const {
+    double most = points_[at].dot(d);
+    for (bool moved = true; moved;) {
+      moved = false;
+      std::size_t best = at;
+      for (std::size_t e = first_[at]; e < first_[at + 1]; ++e) {
+        const auto other = std::size_t(neighbours_[e]);
+        const double along = points_[other].dot(d);
+        if (along > most) {
+          most = along;
+          best = other;
+          moved = true;
+        }
+      }
+      at = best;
+    }
+    return at;
+  }
+
+  std::vector<btVector3> points_;
+  std::vector<std::size_t> first_;  // of each corner in `neighbours_`, and the end
+  std::vector<int> neighbours_;
+  std::size_t starts_[8];  // the farthest corner of each octant's middle
+};
 
 // The hull for distance queries: shrunk by its margin, which moves the faces back to where they are.
 std::shared_ptr<btConvexShape> make_rounded_hull(const std::vector<Vec3>& points) {
@@ -34,6 +94,11 @@ std::shared_ptr<btConvexShape> make_rounded_hull(const std::vector<Vec3>& points
   const double wanted = margin_for(bounds.half().minCoeff());
   const double margin =
       computer.compute(flat.data(), int(3 * sizeof(double)), int(points.size()), wanted, 0.2);
+  if (computer.vertices.size() > kManyCorners) {
+    auto shape = std::make_shared<WalkedHull>(computer);
+    shape->setMargin(std::max(margin, 0.0));
+    return shape;
+  }
   auto shape = std::make_shared<btConvexHullShape>();
   for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(computer.vertices[i], false);
   shape->recalcLocalAabb();
