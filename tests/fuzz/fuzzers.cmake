@@ -27,7 +27,7 @@ endforeach()
 add_library(cogrsim_fuzz_rest STATIC EXCLUDE_FROM_ALL ${rest_objects})
 set_target_properties(cogrsim_fuzz_rest PROPERTIES LINKER_LANGUAGE CXX)
 
-set(flags -std=c++17 -O1 -g1 -fPIC -fno-omit-frame-pointer -ffp-contract=off
+set(flags -std=c++${CMAKE_CXX_STANDARD} -O1 -g1 -fPIC -fno-omit-frame-pointer -ffp-contract=off
   -fvisibility-inlines-hidden -Wall -Wextra
   -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-sanitize=vptr
   -DCOGRSIM_VERSION="${PROJECT_VERSION}" -DCOGRSIM_FUZZ_TOYS="${toys}"

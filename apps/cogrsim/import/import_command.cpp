@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cogrsim/dsl/compiler.h"
 #include "cogrsim/geometry/overlap.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/capabilities.h"
@@ -68,8 +69,8 @@ void print_engines(const LoadedScene& scene) {
 }
 
 /// Links of one robot that start inside each other, as convex hulls often do, would be thrown apart:
-/// they get no contact, which the report says. Whether there are any.
-bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) {
+/// they get no contact, which the report says.
+void part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) {
   std::vector<int> parent(model.bodies.size(), kWorld);
   for (const Joint& joint : model.joints) {
     int& of_child = parent[static_cast<std::size_t>(joint.child)];
@@ -98,7 +99,6 @@ bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
     result.entries.push_back(std::move(entry));
   }
   result.scene.insert(result.scene.rfind("  </prototype>"), pairs);
-  return !pairs.empty();
 }
 
 int import_command(const ImportCommandOptions& options) {
@@ -143,21 +143,19 @@ int import_command(const ImportCommandOptions& options) {
   }
   if (const auto written = write_beside(import.scene_folder, result.files); !written)
     return refuse(written.error());
+  if (const auto draft = dsl::compile_text(result.scene, output.string()); draft.ok())
+    part_overlapping_links(*draft.model, result);
+  if (const auto written = report(); !written) return refuse(written.error());
   if (options.output.empty() || options.output == "-") {
-    if (const auto printed = print_output(result.scene); !printed) return refuse(printed.error());
-    if (const auto written = report(); !written) return refuse(written.error());
-    return kGood;
+    const auto printed = print_output(result.scene);
+    return printed ? kGood : refuse(printed.error());
   }
+  if (const auto written = write_output(options.output, OutputKind::xml, result.scene); !written)
+    return refuse(written.error());
   // What was written is a scene, or that is our mistake: say so at once.
   SceneOptions scene;
   scene.scene = options.output;
-  LoadedScene loaded;
-  do {
-    if (const auto written = write_output(options.output, OutputKind::xml, result.scene); !written)
-      return refuse(written.error());
-    loaded = load_scene(scene);
-  } while (loaded.model && part_overlapping_links(*loaded.model, result));
-  if (const auto written = report(); !written) return refuse(written.error());
+  const LoadedScene loaded = load_scene(scene);
   std::vector<Diagnostic> errors;
   for (const Diagnostic& d : loaded.diagnostics)
     if (d.severity == Severity::error) errors.push_back(d);
