@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/geometry/overlap.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/capabilities.h"
@@ -52,11 +53,11 @@ Result<dsl::ImportWithout> lacking(PluginLoader& loader, const std::vector<std::
 }
 
 /// Which installed engines run the scene, and the first reason of each that does not.
-void print_engines(const LoadedScene& scene) {
-  for (const std::string& name : installed_backends(scene.loader)) {
+void print_engines(const SceneModelPtr& model, const std::shared_ptr<PluginLoader>& loader) {
+  for (const std::string& name : installed_backends(loader)) {
     SimulationOptions options;
     options.backend = name;
-    const auto simulation = Simulation::create(scene.model, options, scene.loader);
+    const auto simulation = Simulation::create(model, options, loader);
     std::vector<std::string> reasons;
     if (!simulation)
       for (const Diagnostic& d : simulation.error())
@@ -69,8 +70,8 @@ void print_engines(const LoadedScene& scene) {
 }
 
 /// Links of one robot that start inside each other, as convex hulls often do, would be thrown apart:
-/// they get no contact, which the report says.
-void part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) {
+/// they get no contact, which the report says. Whether there are any.
+bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) {
   std::vector<int> parent(model.bodies.size(), kWorld);
   for (const Joint& joint : model.joints) {
     int& of_child = parent[static_cast<std::size_t>(joint.child)];
@@ -99,6 +100,7 @@ void part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
     result.entries.push_back(std::move(entry));
   }
   result.scene.insert(result.scene.rfind("  </prototype>"), pairs);
+  return !pairs.empty();
 }
 
 int import_command(const ImportCommandOptions& options) {
@@ -120,8 +122,8 @@ int import_command(const ImportCommandOptions& options) {
       fs::weakly_canonical(output.parent_path().empty() ? fs::path(".") : output.parent_path(),
                            fault)
           .string();
-  PluginLoader loader;
-  auto without = lacking(loader, options.engines);
+  const auto loader = std::make_shared<PluginLoader>();
+  auto without = lacking(*loader, options.engines);
   if (!without) return refuse(without.error());
   import.without = std::move(*without);
   dsl::ImportResult result = dsl::import_model(options.file, import);
@@ -143,8 +145,12 @@ int import_command(const ImportCommandOptions& options) {
   }
   if (const auto written = write_beside(import.scene_folder, result.files); !written)
     return refuse(written.error());
-  if (const auto draft = dsl::compile_text(result.scene, output.string()); draft.ok())
-    part_overlapping_links(*draft.model, result);
+  dsl::LoaderCatalog catalog(loader);
+  dsl::CompileOptions compile;
+  compile.plugins = &catalog;
+  const auto compiled = [&] { return dsl::compile_text(result.scene, output.string(), compile); };
+  dsl::CompileResult scene = compiled();
+  if (scene.ok() && part_overlapping_links(*scene.model, result)) scene = compiled();
   if (const auto written = report(); !written) return refuse(written.error());
   if (options.output.empty() || options.output == "-") {
     const auto printed = print_output(result.scene);
@@ -153,26 +159,23 @@ int import_command(const ImportCommandOptions& options) {
   if (const auto written = write_output(options.output, OutputKind::xml, result.scene); !written)
     return refuse(written.error());
   // What was written is a scene, or that is our mistake: say so at once.
-  SceneOptions scene;
-  scene.scene = options.output;
-  const LoadedScene loaded = load_scene(scene);
   std::vector<Diagnostic> errors;
-  for (const Diagnostic& d : loaded.diagnostics)
+  for (const Diagnostic& d : scene.diagnostics)
     if (d.severity == Severity::error) errors.push_back(d);
   print_diagnostics(errors);
-  if (!loaded.model) {
+  if (!scene.ok()) {
     print_error(fmt::format("'{}' was written, and is not a valid scene", options.output));
     return kFailed;
   }
   std::fputs(
       printable(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", options.output,
-                            count_text(loaded.model->bodies.size(), "body", "bodies") + ", " +
-                                count_text(loaded.model->joints.size(), "joint", "joints"),
+                            count_text(scene.model->bodies.size(), "body", "bodies") + ", " +
+                                count_text(scene.model->joints.size(), "joint", "joints"),
                             result.count(dsl::Fidelity::exact),
                             result.count(dsl::Fidelity::approximate), lost))
           .c_str(),
       stderr);
-  print_engines(loaded);
+  print_engines(scene.model, loader);
   return kGood;
 }
 

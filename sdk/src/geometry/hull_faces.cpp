@@ -80,7 +80,12 @@ HullFaces hull_faces(const TriangleMesh& mesh, std::size_t most_corners) {
   }
   const double flat = kFlat * (high - low).norm();
   double thick = 0.0;  // extent of the hull perpendicular to its first face [m]
-  std::vector<std::vector<int>> faces_of(out.vertices.size());
+  std::vector<std::vector<int>> faces_of(out.vertices.size()), neighbours(out.vertices.size());
+  for (const Facet& facet : facets)
+    for (int k = 0; k < 3; ++k)
+      for (const int other : {1, 2})
+        neighbours[facet.corners[k]].push_back(facet.corners[(k + other) % 3]);
+  std::vector<const Facet*> seen_from(out.vertices.size(), nullptr);
   for (const Facet& facet : facets) {
     const auto belongs = [&](int face, int k) {
       const auto& faces = faces_of[facet.corners[k]];
@@ -94,14 +99,23 @@ HullFaces hull_faces(const TriangleMesh& mesh, std::size_t most_corners) {
     const Vec3& origin = at(out, facet.corners[0]);
     Vec3 normal = facet.normal.normalized();
     if (normal.dot(origin - inside) < 0.0) normal = -normal;
-    std::vector<int> corners;
-    for (std::size_t v = 0; v < out.vertices.size(); ++v) {
-      const double off = std::abs(normal.dot(out.vertices[v] - origin));
-      if (out.normals.empty()) thick = std::max(thick, off);
-      if (off > flat) continue;
-      corners.push_back(static_cast<int>(v));
-      faces_of[v].push_back(static_cast<int>(out.normals.size()));
+    const auto off = [&](int v) { return std::abs(normal.dot(at(out, v) - origin)); };
+    if (out.normals.empty())
+      for (int v = 0; v < static_cast<int>(out.vertices.size()); ++v)
+        thick = std::max(thick, off(v));
+    // The corners in the plane are neighbours of each other, as those highest along a direction are.
+    std::vector<int> corners, next(facet.corners.begin(), facet.corners.end());
+    while (!next.empty()) {
+      const int v = next.back();
+      next.pop_back();
+      if (seen_from[v] == &facet) continue;
+      seen_from[v] = &facet;
+      if (off(v) > flat) continue;
+      corners.push_back(v);
+      next.insert(next.end(), neighbours[v].begin(), neighbours[v].end());
     }
+    std::sort(corners.begin(), corners.end());
+    for (const int v : corners) faces_of[v].push_back(static_cast<int>(out.normals.size()));
     sort_around(out, normal, corners);
     out.normals.push_back(normal);
     out.corners.push_back(thinned(corners, most_corners));
