@@ -99,8 +99,10 @@ bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
         fmt::format("start {:.3g} mm inside each other: they do not collide", o.depth * 1e3);
     result.entries.push_back(std::move(entry));
   }
-  result.scene.insert(result.scene.rfind("  </prototype>"), pairs);
-  return !pairs.empty();
+  const std::size_t at = result.scene.rfind("  </prototype>");
+  if (pairs.empty() || at == std::string::npos) return false;
+  result.scene.insert(at, pairs);
+  return true;
 }
 
 int import_command(const ImportCommandOptions& options) {
