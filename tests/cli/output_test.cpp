@@ -452,6 +452,17 @@ velocity="9"/></joint>)";
   CHECK_THAT(read_file(scene), Contains(R"(<collide between="base fore" with="false"/>)"));
   CHECK_THAT(cogrsim_run({"check", scene}).out, !Contains("CG2001"));
 
+  // A pair that the model itself asks for comes after the prototype: so does what parts it.
+  put(folder / "b.xml", R"(<mujoco><default><geom contype="0" conaffinity="0"/></default><worldbody>
+<body name="a"><freejoint/><geom name="ga" size="0.1"/>
+<body name="b" pos="0.3 0 0"><joint axis="0 1 0"/><geom size="0.01"/>
+<body name="c" pos="-0.2 0 0"><joint axis="0 1 0"/><geom name="gc" size="0.1"/></body></body></body>
+</worldbody><contact><pair geom1="ga" geom2="gc"/></contact></mujoco>)");
+  const std::string asked = folder / "b.scene.xml";
+  CHECK_THAT(cogrsim_run({"import", folder / "b.xml", "-o", asked}).err,
+             Contains("links 'a' and 'c': start 100 mm inside each other"));
+  CHECK_THAT(cogrsim_run({"check", asked}).out, !Contains("CG2001"));
+
   std::istringstream lines(made.err);
   std::size_t engines = 0;
   for (std::string line; std::getline(lines, line);) {

@@ -104,4 +104,10 @@ TEST_CASE("meshes of MJCF collide as their hulls, also those of the world", "[mj
   REQUIRE(in.model->bodies.size() == 2);
   for (const Body& body : in.model->bodies) CHECK(body.shapes.at(0).type == ShapeType::convex_mesh);
   CHECK_FALSE(in.reports(kApproximate, "collision mesh"));
+
+  in.read(R"(<mujoco><asset><mesh name="m" file="m.obj" scale="1 2 0"/></asset><worldbody>
+      <body name="b"><freejoint/><geom type="mesh" mesh="m"/><geom size="0.1"/></body></worldbody></mujoco>)",
+          "flat.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "geom", "leaves no volume"));
 }

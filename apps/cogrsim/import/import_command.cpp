@@ -83,24 +83,28 @@ bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
       body = parent[static_cast<std::size_t>(body)];
     return body;
   };
-  const auto name = [&](int body) {  // in the prototype
-    const std::string& full = model.bodies[static_cast<std::size_t>(body)].name;
-    return full.substr(full.find('.') + 1);
-  };
+  const std::size_t prototype = result.scene.rfind("  </prototype>");
+  if (prototype == std::string::npos) return false;
+  // Rules that follow the prototype would overrule its own.
+  const bool in_scene = result.scene.find("\n  <collide ", prototype) != std::string::npos;
+  const std::size_t at = in_scene ? result.scene.rfind("</scene>") : prototype;
   std::string pairs;
   for (const geometry::Overlap& o : geometry::find_overlaps(model).pairs) {
     if (root(o.body_a) != root(o.body_b)) continue;
-    pairs += fmt::format("    <collide between=\"{} {}\" with=\"false\"/>\n", name(o.body_a),
-                         name(o.body_b));
+    const std::string& full_a = model.bodies[static_cast<std::size_t>(o.body_a)].name;
+    const std::string& full_b = model.bodies[static_cast<std::size_t>(o.body_b)].name;
+    const std::string a = full_a.substr(full_a.find('.') + 1);
+    const std::string b = full_b.substr(full_b.find('.') + 1);
+    pairs += fmt::format("{}<collide between=\"{} {}\" with=\"false\"/>\n",
+                         in_scene ? "  " : "    ", in_scene ? full_a : a, in_scene ? full_b : b);
     dsl::ImportEntry entry;
     entry.fidelity = dsl::Fidelity::approximate;
-    entry.element = fmt::format("links '{}' and '{}'", name(o.body_a), name(o.body_b));
+    entry.element = fmt::format("links '{}' and '{}'", a, b);
     entry.message =
         fmt::format("start {:.3g} mm inside each other: they do not collide", o.depth * 1e3);
     result.entries.push_back(std::move(entry));
   }
-  const std::size_t at = result.scene.rfind("  </prototype>");
-  if (pairs.empty() || at == std::string::npos) return false;
+  if (pairs.empty()) return false;
   result.scene.insert(at, pairs);
   return true;
 }

@@ -110,7 +110,9 @@ bool MjcfReader::geom_mesh(const XmlElement& source, const std::string* mesh,
   g.type = Geometry::Type::mesh;
   g.mesh = known->second.path;
   g.scale = known->second.scale;
-  return true;
+  if (g.scale.cwiseAbs().minCoeff() > 0.0) return true;
+  context_.left_out(source.at, what, "the scale of its mesh leaves no volume");
+  return false;
 }
 
 void MjcfReader::geom_appearance(const XmlElement& source, const XmlElement& e, RobotShape& out) {
