@@ -125,7 +125,7 @@ TEST_CASE("what the scene cannot say is reported with its line", "[urdf]") {
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "mesh 'package://no_such/mesh.stl'", "--package no_such=DIR"));
   CHECK(in.reports(kLeftOut, "<colision>", "did you mean <collision>?"));
-  CHECK(in.reports(kLeftOut, "<plugin>", "Gazebo"));
+  CHECK(in.reports(kLeftOut, "plugin 'libp.so'", "is not known"));
   for (const dsl::ImportEntry& e : in.result.entries) CHECK(e.line > 0);
 }
 

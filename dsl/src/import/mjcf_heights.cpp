@@ -24,19 +24,8 @@ Result<> check_size(std::int64_t columns, std::int64_t rows) {
 Result<HeightField> read_heights(const std::string& path, std::size_t limit) {
   auto bytes = read_whole_file(path, limit);
   if (!bytes) return tl::unexpected(bytes.error());
+  if (bytes->compare(0, 4, "\x89PNG") == 0) return heights_of_picture(*bytes);
   HeightField field;
-  if (bytes->compare(0, 4, "\x89PNG") == 0) {
-    auto image = decode_image(*bytes);
-    if (!image) return tl::unexpected(image.error());
-    if (auto good = check_size(image->width, image->height); !good)
-      return tl::unexpected(good.error());
-    field.columns = image->width;
-    field.rows = image->height;
-    // MuJoCo takes the first channel of a coloured picture.
-    for (int r = 0; r < field.rows; ++r)
-      for (int c = 0; c < field.columns; ++c) field.samples.push_back(*image->pixel(c, r));
-    return field;
-  }
   // Two numbers of 32 bits, rows and columns, and floats, the row with the lowest y first.
   std::int32_t size[2] = {0, 0};
   if (bytes->size() >= sizeof size) std::memcpy(size, bytes->data(), sizeof size);
@@ -64,6 +53,20 @@ void normalize(HeightField& field) {
 }
 
 }  // namespace
+
+Result<HeightField> heights_of_picture(const std::string& bytes) {
+  if (bytes.compare(0, 4, "\x89PNG") != 0) return fail("is no PNG");
+  auto image = decode_image(bytes);
+  if (!image) return tl::unexpected(image.error());
+  if (auto good = check_size(image->width, image->height); !good)
+    return tl::unexpected(good.error());
+  HeightField field;
+  field.columns = image->width;
+  field.rows = image->height;
+  for (int r = 0; r < field.rows; ++r)
+    for (int c = 0; c < field.columns; ++c) field.samples.push_back(*image->pixel(c, r));
+  return field;
+}
 
 void MjcfReader::height_field(const XmlElement& source, const XmlElement& e,
                               const std::string& key) {

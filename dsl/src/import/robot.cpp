@@ -151,6 +151,9 @@ class Welding {
         joint_removed_(robot.joints.size(), false) {
     for (std::size_t i = 0; i < robot.joints.size(); ++i)
       inboard_[at(robot.joints[i].child)] = static_cast<int>(i);
+    for (const RobotLink& l : robot.links)
+      for (const RobotSensor& s : l.sensors)
+        if (s.element == "force-torque") measured_.insert(s.joint);
     sort_children_first();
   }
 
@@ -160,6 +163,8 @@ class Welding {
       if (j < 0) continue;
       const RobotJoint& joint = robot_.joints[at(j)];
       if (joint.type != RobotJoint::Type::fixed) continue;
+      // What a sensor measures stays a joint.
+      if (measured_.count(joint.name) != 0 && robot_.links[at(child)].inertia) continue;
       if (joint.parent < 0) {
         robot_.links[at(child)].is_static = true;
         robot_.links[at(child)].X = joint.X_PC;
@@ -271,6 +276,8 @@ class Welding {
       }
       to.inertia = to.inertia ? sum(*to.inertia, in_parent) : in_parent;
     }
+    to.drag += from.drag;
+    if (!to.fluid) to.fluid = from.fluid;
     for (RobotJoint& j : robot_.joints)
       if (j.parent == child) {
         j.parent = parent;
@@ -320,6 +327,7 @@ class Welding {
   std::vector<int> inboard_;  ///< joint of each link to its parent; -1: none
   std::vector<int> order_;    ///< of the links, so that a group merges from its leaves
   std::vector<bool> link_removed_, joint_removed_;
+  std::set<std::string> measured_;  ///< joints whose force a sensor measures
 };
 
 /// Pairs that do not touch become pairs of bodies: a merged link is a frame of its body.
@@ -351,6 +359,18 @@ void remove_idle_drives(Context& context, RobotModel& robot) {
                                       return true;
                                     }),
                      robot.drives.end());
+}
+
+void remove_idle_sensors(Context& context, RobotModel& robot) {
+  for (RobotLink& l : robot.links) {
+    const auto is_idle = [&](const RobotSensor& s) {
+      if (s.joint.empty() || robot.joint(s.joint) >= 0) return false;
+      context.left_out(s.at, fmt::format("{} '{}'", s.element, s.name),
+                       fmt::format("there is no joint '{}' between two bodies", s.joint));
+      return true;
+    };
+    l.sensors.erase(std::remove_if(l.sensors.begin(), l.sensors.end(), is_idle), l.sensors.end());
+  }
 }
 
 }  // namespace
@@ -398,6 +418,7 @@ void weld(Context& context, RobotModel& robot) {
   welding.remove_merged();
   join_excluded_pairs(robot);
   remove_idle_drives(context, robot);
+  remove_idle_sensors(context, robot);
 }
 
 namespace {
@@ -462,6 +483,8 @@ void make_names(Context& context, RobotModel& robot) {
       if (!s.joint.empty()) s.joint = joints[s.joint];
     }
   }
+  for (RobotLight& l : robot.lights)
+    l.name = make(l.name.empty() ? "light" : l.name, "light", l.at);
   for (RobotDrive& d : robot.drives) {
     d.name = make(d.name, "motor", d.at);
     d.joint = joints[d.joint];

@@ -77,6 +77,12 @@ struct RobotSensor {
   Source at;
 };
 
+/// The fluid that a link is in.
+struct RobotFluid {
+  double level = 0.0;    ///< height of its surface [m]
+  double density = 0.0;  ///< [kg/m^3]
+};
+
 struct RobotLink {
   std::string name;
   Pose X;  ///< of a link that no joint carries, in the model
@@ -86,6 +92,9 @@ struct RobotLink {
   std::vector<RobotSensor> sensors;
   bool is_static = false;
   double gravity_scale = 1.0;
+  bool in_wind = false;
+  double drag = 0.0;  ///< at its centre of mass [N s/m]
+  std::optional<RobotFluid> fluid;
   Source at;
 };
 
@@ -129,7 +138,7 @@ struct RobotJoint {
 struct RobotDrive {
   std::string name, joint;
   enum class Mode { position, velocity, torque } mode = Mode::torque;
-  double kp = 0.0, kd = 0.0;  ///< of a position drive
+  double kp = 0.0, ki = 0.0, kd = 0.0;  ///< of a position drive
   double max_effort = std::numeric_limits<double>::infinity();
   std::optional<double> target;
   std::vector<std::string> followers;  ///< joints that it moves too, by their couplings
@@ -145,6 +154,16 @@ struct RobotSpring {
   Source at;
 };
 
+struct RobotLight {
+  std::string name, type;
+  Vec3 position = Vec3::Zero(), direction = -Vec3::UnitZ();
+  Color color{1, 1, 1, 1};
+  double intensity = 1.0;
+  std::optional<double> cone;  ///< half angle of a spot [rad]
+  bool shadows = false;
+  Source at;
+};
+
 struct RobotModel {
   std::string name;
   std::vector<RobotLink> links;
@@ -152,12 +171,14 @@ struct RobotModel {
   std::vector<RobotJoint> loops;   ///< joints that close loops; X_PC is not used
   std::vector<RobotDrive> drives;
   std::vector<RobotSpring> springs;
+  std::vector<RobotLight> lights;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
   /// Nothing of the robot touches each other, but for these pairs of links.
   std::optional<std::vector<std::pair<std::string, std::string>>> only_contact;
   std::optional<double> step;   ///< [s]
   std::optional<Vec3> gravity;  ///< [m/s^2]
+  std::optional<Vec3> wind;     ///< [m/s]
   bool has_ground = false;
 
   int link(const std::string& name) const;
@@ -194,6 +215,9 @@ void make_names(Context& context, RobotModel& robot);
 
 /// Writes the scene, and fills `context.result.files` with the meshes that belong beside it.
 void write_scene(Context& context, const RobotModel& robot);
+
+/// The brightness of a PNG's points, by its first channel. Errors: no PNG, or too many points.
+Result<HeightField> heights_of_picture(const std::string& bytes);
 
 // ---- readers; each throws Refused, or leaves context.failed()
 

@@ -1,102 +1,84 @@
 // SDF (sdformat.org, specification 1.4 to 1.11): models and worlds. Poses are resolved over the
-// graph of `relative_to`; plugins are reported and left out.
+// graph of `relative_to`.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
+#include "assets/mesh_file.h"
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/geometry/convex_hull.h"
-#include "import/robot.h"
+#include "import/gazebo.h"
 
 namespace cogrsim::dsl::import {
 
 namespace {
 
-/// Links, joints, frames and models by name, each with its pose relative to another.
-struct RelativePose {
-  std::string relative_to;  ///< empty: the model
+/// What poses, joints and plugins of a model or world refer to, by its name there, as "arm::hand".
+struct Named {
+  std::string relative_to;  ///< empty: the model or world
   Pose X;
+  std::string follows;      ///< what it moves with, but for a link
+  std::string link, joint;  ///< the robot's name for a link or joint
   bool busy = false, known = false;
-  Pose X_M;  ///< in the model, once known
+  Pose X_M;  ///< in the model or world, once known
+};
+using Names = std::map<std::string, Named>;
+
+/// What a model has for its links and the models in it.
+struct ModelFlags {
+  bool is_static = false, in_wind = false;
 };
 
 class SdfReader {
  public:
   explicit SdfReader(Context& context) : context_(context) {}
 
-  RobotModel read(const XmlElement& root) {
-    for (const auto& e : root.children) {
+  RobotModel read(const XmlElement& source) {
+    const std::unique_ptr<XmlElement> root = source.copy();
+    read_includes(*root, 0);
+    for (const auto& e : root->children) {
       if (e->name == "world")
         world(*e);
       else if (e->name == "model")
-        model(*e, "", Pose(), 0);
-      else if (e->name == "include")
-        include(*e, "", Pose(), 0);
-      else if (e->name == "light" || e->name == "actor")
+        model(*e, "", pose(*e), {}, 0);
+      else if (e->name == "light")
+        light(*e, pose(*e), false);
+      else if (e->name == "actor")
         context_.left_out(e->at, quoted_name(*e), "concerns appearance only");
       else
         left_out(*e);
     }
-    if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "there is no link in it");
+    if (robot_.links.empty()) context_.refuse(root->at, "CG1405", "there is no link in it");
     return std::move(robot_);
   }
 
  private:
   void left_out(const XmlElement& e) {
-    if (e.name == "plugin") {
-      const std::string* file = e.find("filename");
-      context_.left_out(e.at, fmt::format("plugin '{}'", file == nullptr ? "" : *file),
-                        "what Gazebo's plugins do is not imported");
-    } else {
-      context_.left_out(e.at, quoted_name(e), fmt::format("<{}> is not read", e.name));
-    }
+    context_.left_out(e.at, quoted_name(e), fmt::format("<{}> is not read", e.name));
   }
 
-  static std::string text(const XmlElement& in, const char* tag) {
+  static std::string name_of(const XmlElement& e) {
+    const std::string* name = e.find("name");
+    return name == nullptr ? "" : *name;
+  }
+  static bool is_true(const XmlElement& in, const char* tag, bool otherwise = false) {
     const XmlElement* c = in.child(tag);
-    return c == nullptr ? "" : c->text;
+    return c == nullptr ? otherwise : c->text == "true" || c->text == "1";
   }
-
+  static std::string text(const XmlElement& in, const char* tag) { return child_text(in, tag); }
   std::optional<double> value(const XmlElement* in, const char* tag) {
-    const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
-    if (c == nullptr) return std::nullopt;
-    if (c->text == "inf" || c->text == "INF" || c->text == "infinity")
-      return std::numeric_limits<double>::infinity();
-    if (c->text == "-inf" || c->text == "-INF" || c->text == "-infinity")
-      return -std::numeric_limits<double>::infinity();
-    const auto v = context_.numbers(*c, c->text, 1, 1, fmt::format("<{}>", tag));
-    if (!v) return std::nullopt;
-    return v->front();
+    return child_number(context_, in, tag);
   }
-
   std::optional<Vec3> vector(const XmlElement* in, const char* tag) {
-    const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
-    if (c == nullptr) return std::nullopt;
-    const auto v = context_.numbers(*c, c->text, 3, 3, fmt::format("<{}>", tag));
-    if (!v) return std::nullopt;
-    return Vec3((*v)[0], (*v)[1], (*v)[2]);
+    return child_vector(context_, in, tag);
   }
-
   Pose pose(const XmlElement& in) {
-    const XmlElement* c = in.child("pose");
-    if (c == nullptr || c->text.empty()) return {};
-    const std::string* format = c->find("rotation_format");
-    const std::string* degrees = c->find("degrees");
-    const bool quaternion = format != nullptr && *format == "quat_xyzw";
-    const auto v = context_.numbers(*c, c->text, quaternion ? 7 : 6, quaternion ? 7 : 6, "<pose>");
-    if (!v) return {};
-    Pose out;
-    out.p = Vec3((*v)[0], (*v)[1], (*v)[2]);
-    if (quaternion) {
-      const Quat q((*v)[6], (*v)[3], (*v)[4], (*v)[5]);
-      if (q.norm() > 1e-9) out.q = q.normalized();
-    } else {
-      const double unit = degrees != nullptr && *degrees == "true" ? kPi / 180.0 : 1.0;
-      out.q = from_rpy(unit * Vec3((*v)[3], (*v)[4], (*v)[5]));
-    }
-    return out;
+    const auto [it, is_new] = poses_.try_emplace(&in);  // faults are reported once
+    if (is_new) it->second = child_pose(context_, in);
+    return it->second;
   }
 
   static std::string relative_to(const XmlElement& in) {
@@ -107,53 +89,146 @@ class SdfReader {
     return to == nullptr ? "" : *to;
   }
 
-  void world(const XmlElement& e) {
-    if (robot_.name.empty() && e.find("name") != nullptr) robot_.name = *e.find("name");
-    std::map<std::string, RelativePose> poses;
-    for (const auto& c : e.children)
-      if (c->name == "model" || c->name == "include" || c->name == "frame") {
-        std::string name = c->find("name") != nullptr ? *c->find("name") : text(*c, "name");
-        if (!name.empty()) poses[name] = {relative_to(*c), pose(*c), false, false, {}};
+  // ---- files
+
+  /// Puts models in the place of each <include>.
+  void read_includes(XmlElement& in, int depth) {
+    if (depth > 20)
+      context_.refuse(in.at, "CG1402", "models include each other in a circle, or too deep");
+    std::vector<std::unique_ptr<XmlElement>> children;
+    for (auto& c : in.children) {
+      if (c->name == "include") c = included(*c);
+      if (c == nullptr) continue;
+      if (c->name == "model" || c->name == "world") read_includes(*c, depth + 1);
+      children.push_back(std::move(c));
+    }
+    in.children = std::move(children);
+  }
+
+  /// The model of an <include>, with what the include says of it; null: left out.
+  std::unique_ptr<XmlElement> included(const XmlElement& e) {
+    const std::string uri = text(e, "uri");
+    const std::string element = fmt::format("include '{}'", uri);
+    auto path = context_.locate(uri, e.at);
+    if (!path)
+      path =
+          context_.locate(uri + (uri.empty() || uri.back() == '/' ? "" : "/") + "model.sdf", e.at);
+    if (!path) {
+      context_.left_out(e.at, element, path.error().message);
+      return nullptr;
+    }
+    auto root = context_.parse(*path, e.at);
+    for (auto& m : root->children) {
+      if (m->name != "model") continue;
+      const auto set = [&](const char* key, const std::string& value) {
+        m->attributes.erase(std::remove_if(m->attributes.begin(), m->attributes.end(),
+                                           [&](const auto& a) { return a.first == key; }),
+                            m->attributes.end());
+        m->attributes.emplace_back(key, value);
+      };
+      for (const auto& c : e.children) {
+        if (c->name == "name" || c->name == "placement_frame") {
+          set(c->name.c_str(), c->text);
+          continue;
+        }
+        // Its own pose and the like replace those of the model.
+        if (c->name == "pose" || c->name == "static")
+          m->children.erase(std::remove_if(m->children.begin(), m->children.end(),
+                                           [&](const auto& o) { return o->name == c->name; }),
+                            m->children.end());
+        if (c->name != "uri") m->children.push_back(c->copy());
       }
+      if (const std::string* merge = e.find("merge"); merge != nullptr && *merge == "true")
+        context_.approximate(e.at, element, "is a model of its own, not merged");
+      return std::move(m);
+    }
+    context_.left_out(e.at, element, "there is no model in it");
+    return nullptr;
+  }
+
+  // ---- names
+
+  /// What stands before the names of a model's links: nothing in the first model, else the names of
+  /// the models around them. `outer`: of the model around it; empty: none.
+  const std::string& scope_of(const XmlElement& model, const std::string& outer) {
+    const auto [it, is_new] = scopes_.try_emplace(&model);
+    if (is_new && (!outer.empty() || models_++ > 0)) it->second = outer + model_name(model) + "_";
+    return it->second;
+  }
+  static std::string model_name(const XmlElement& model) {
+    return model.find("name") == nullptr ? "model" : *model.find("name");
+  }
+  /// What stands before the names in models inside of a model.
+  static std::string inside(const XmlElement& model, const std::string& scope) {
+    return scope.empty() ? model_name(model) + "_" : scope;
+  }
+
+  Names names_of(const XmlElement& model, const std::string& scope, int depth) {
+    Names out;
+    collect(model, "", scope, depth, out);
+    if (model.name == "model") out.try_emplace(model_name(model), out["__model__"]);
+    return out;
+  }
+
+  /// `prefix`: of the names in `out`, such as "arm::"; `scope`: of the robot's names.
+  void collect(const XmlElement& e, const std::string& prefix, const std::string& scope, int depth,
+               Names& out) {
+    if (depth > 20) context_.refuse(e.at, "CG1402", "models are nested too deep");
+    const bool is_world = e.name == "world";
+    const auto full = [&](const std::string& name) {
+      return name == "world" ? name : prefix + (name.empty() ? "__model__" : name);
+    };
+    std::string canonical = e.find("canonical_link") == nullptr ? "" : *e.find("canonical_link");
     for (const auto& c : e.children) {
-      if (c->name == "physics") {
-        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0)
-          robot_.step = *step;
-        context_.approximate(c->at, quoted_name(*c), "its step is taken");
-      } else if (c->name == "gravity") {
-        robot_.gravity = vector(&e, "gravity");
-      } else if (c->name == "model") {
-        model(*c, "", in_world(*c, poses), 0);
-      } else if (c->name == "include") {
-        include(*c, "", in_world(*c, poses), 0);
-      } else if (c->name == "light" || c->name == "scene" || c->name == "gui" ||
-                 c->name == "actor" || c->name == "atmosphere" || c->name == "magnetic_field" ||
-                 c->name == "wind" || c->name == "audio" || c->name == "spherical_coordinates") {
-        context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
-      } else if (c->name != "frame") {
-        left_out(*c);
+      const std::string name = name_of(*c);
+      const bool is_model = c->name == "model", is_link = c->name == "link",
+                 is_joint = c->name == "joint";
+      if (name.empty() || !(is_model || is_link || is_joint || c->name == "frame")) continue;
+      Named& n = out[prefix + name];
+      std::string relative = relative_to(*c), follows;
+      if (is_link) {
+        n.link = scope + name;
+        if (canonical.empty()) canonical = name;
+      } else if (is_joint) {
+        n.joint = scope + name;
+        follows = text(*c, "child");
+        if (relative.empty()) relative = follows;
+      } else if (is_model) {
+        follows = name + "::__model__";
+      } else {
+        if (const std::string* to = c->find("attached_to")) follows = *to;
+        if (relative.empty()) relative = follows;
+      }
+      n.relative_to = full(relative);
+      n.follows = full(follows);
+      n.X = pose(*c);
+      if (!is_model) continue;
+      const std::string inner = scope_of(*c, is_world ? "" : inside(e, scope));
+      collect(*c, prefix + name + "::", inner, depth + 1, out);
+      if (const std::string* placed = c->find("placement_frame")) {
+        Names own = names_of(*c, inner, depth + 1);
+        out[prefix + name].X = pose(*c) * resolve(*placed, own, *c, 0).inverse();
       }
     }
+    if (canonical.empty())
+      if (const XmlElement* m = e.child("model")) canonical = name_of(*m) + "::__model__";
+    Named& self = out[prefix + "__model__"];
+    self.relative_to = prefix.empty() ? "" : prefix.substr(0, prefix.size() - 2);
+    self.follows = is_world || canonical.empty() ? "world" : prefix + canonical;
   }
 
-  Pose in_world(const XmlElement& e, std::map<std::string, RelativePose>& poses) {
-    const std::string to = relative_to(e);
-    return to.empty() || to == "world" ? pose(e) : resolve(to, poses, e, 0) * pose(e);
-  }
-
-  Pose resolve(const std::string& name, std::map<std::string, RelativePose>& poses,
-               const XmlElement& at, int depth) {
-    if (name.empty() || name == "__model__" || name == "world") return {};
-    const auto it = poses.find(name);
-    if (it == poses.end()) {
+  Pose resolve(const std::string& name, Names& names, const XmlElement& at, int depth) {
+    if (name.empty() || name == "world") return {};
+    const auto it = names.find(name);
+    if (it == names.end()) {
       std::vector<std::string> known;
-      for (const auto& [n, p] : poses) known.push_back(n);
+      for (const auto& [n, p] : names) known.push_back(n);
       const std::string near = nearest_name(name, known);
       context_.error(at.at, "CG1408", fmt::format("there is no frame '{}'", name),
                      near.empty() ? "" : fmt::format("did you mean '{}'?", near));
       return {};
     }
-    RelativePose& p = it->second;
+    Named& p = it->second;
     if (p.known) return p.X_M;
     if (p.busy || depth > 200) {
       context_.error(at.at, "CG1410",
@@ -161,97 +236,190 @@ class SdfReader {
       return {};
     }
     p.busy = true;
-    p.X_M = resolve(p.relative_to, poses, at, depth + 1) * p.X;
+    p.X_M = resolve(p.relative_to, names, at, depth + 1) * p.X;
     p.busy = false;
     p.known = true;
     return p.X_M;
   }
 
-  void include(const XmlElement& e, const std::string& prefix, const Pose& X_W, int depth) {
-    if (depth > 20)
-      context_.refuse(e.at, "CG1402", "models include each other in a circle, or too deep");
-    const std::string uri = text(e, "uri");
-    std::string href = uri;
-    auto path = context_.locate(href, e.at);
-    if (!path)
-      path = context_.locate(href + (href.empty() || href.back() == '/' ? "" : "/") + "model.sdf",
-                             e.at);
-    if (!path) {
-      context_.left_out(e.at, fmt::format("include '{}'", uri), path.error().message);
-      return;
+  /// The link that a name means: itself, or that of a frame, joint or model; -1: the world.
+  int link_of(std::string name, const Names& names) const {
+    for (int steps = 0; steps < 200; ++steps) {
+      if (name == "world") return -1;
+      const auto it = names.find(name);
+      if (it == names.end()) return kNoLink;
+      if (const std::string& link = it->second.link; !link.empty()) {
+        const int index = robot_.link(link);
+        return index < 0 ? kNoLink : index;
+      }
+      name = it->second.follows;
     }
-    auto root = context_.parse(*path, e.at);
-    kept_.push_back(std::move(root));
-    for (const auto& c : kept_.back()->children) {
-      if (c->name != "model") continue;
-      XmlElement& m = *c;
-      const std::string name = text(e, "name");
-      if (!name.empty())
-        for (auto& [key, v] : m.attributes)
-          if (key == "name") v = name;
-      // The include's own pose replaces that of the model.
-      const bool placed = e.child("pose") != nullptr;
-      model(m, prefix, placed ? X_W : X_W * pose(m), depth + 1);
-      return;
-    }
-    context_.left_out(e.at, fmt::format("include '{}'", uri), "there is no model in it");
+    return kNoLink;
   }
 
-  void model(const XmlElement& e, const std::string& prefix, const Pose& X_given, int depth) {
-    if (depth > 20) context_.refuse(e.at, "CG1402", "models are nested too deep");
-    const std::string own = e.find("name") == nullptr ? "model" : *e.find("name");
-    if (robot_.name.empty()) robot_.name = own;
-    const Pose X_WM =
-        depth == 0 && prefix.empty() && X_given.p == Vec3::Zero() && e.child("pose") != nullptr
-            ? pose(e)
-            : X_given;
-    // One model keeps its names; several get those of their models before them.
-    const std::string scope = prefix.empty() && models_++ == 0 ? "" : prefix + own + "_";
-    const bool is_static = text(e, "static") == "true" || text(e, "static") == "1";
-    std::map<std::string, RelativePose> poses;
-    std::vector<const XmlElement*> links, joints;
+  /// Of something on a link: in the link, whose pose in the model is `X_ML`.
+  Pose pose_on(const XmlElement& e, const Pose& X_ML, Names& names) {
+    const std::string to = relative_to(e);
+    return to.empty() ? pose(e) : X_ML.inverse() * resolve(to, names, e, 0) * pose(e);
+  }
+
+  // ---- worlds and models
+
+  void world(const XmlElement& e) {
+    if (robot_.name.empty()) robot_.name = name_of(e);
+    robot_.gravity = vector(&e, "gravity").value_or(Vec3(0.0, 0.0, -9.8));  // as SDF has it
+    Names names = names_of(e, "", 0);
     for (const auto& c : e.children) {
-      const std::string name = c->find("name") == nullptr ? "" : *c->find("name");
-      if (c->name == "link" && name.empty()) {
-        context_.error(c->at, "CG1404", "a <link> without a name");
-      } else if (c->name == "link") {
-        poses[name] = {relative_to(*c), pose(*c), false, false, {}};
-        links.push_back(c.get());
-      } else if (c->name == "frame") {
-        const std::string* to = c->find("attached_to");
-        std::string relative = relative_to(*c);
-        if (relative.empty() && to != nullptr) relative = *to;
-        poses[name] = {relative, pose(*c), false, false, {}};
-      } else if (c->name == "joint") {
-        const std::string relative = relative_to(*c);
-        poses[name] = {relative.empty() ? text(*c, "child") : relative, pose(*c), false, false, {}};
-        joints.push_back(c.get());
+      if (c->name == "physics") {
+        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0)
+          robot_.step = *step;
+        context_.approximate(c->at, quoted_name(*c), "its step is taken");
       } else if (c->name == "model") {
-        poses[name] = {relative_to(*c), pose(*c), false, false, {}};
-      } else if (c->name == "plugin") {
+        model(*c, "", resolve(name_of(*c), names, *c, 0), {}, 0);
+      } else if (c->name == "light") {
+        light(*c, pose_on(*c, Pose(), names), false);
+      } else if (c->name == "wind") {
+        robot_.wind = vector(c.get(), "linear_velocity");
+        context_.exact(c->at, quoted_name(*c));
+      } else if (c->name == "scene" || c->name == "gui" || c->name == "actor" ||
+                 c->name == "atmosphere" || c->name == "magnetic_field" || c->name == "audio" ||
+                 c->name == "spherical_coordinates") {
+        context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
+      } else if (c->name != "frame" && c->name != "gravity" && c->name != "joint" &&
+                 c->name != "plugin") {
         left_out(*c);
       }
     }
-    for (const XmlElement* l : links)
-      link(*l, scope, X_WM * resolve(*l->find("name"), poses, *l, 0), is_static);
+    for (const auto& c : e.children)
+      if (c->name == "joint") joint(*c, "", Pose(), names);
+    for (const auto& c : e.children)
+      if (c->name == "plugin") plugin(*c, names);
+  }
+
+  void model(const XmlElement& e, const std::string& outer, const Pose& X_WM, ModelFlags flags,
+             int depth) {
+    if (robot_.name.empty()) robot_.name = model_name(e);
+    const std::string scope = scope_of(e, outer);
+    flags.is_static = flags.is_static || is_true(e, "static");
+    flags.in_wind = is_true(e, "enable_wind", flags.in_wind);
+    Names names = names_of(e, scope, depth);
     for (const auto& c : e.children) {
-      if (c->name == "model")
-        model(*c, scope.empty() ? own + "_" : scope,
-              X_WM * resolve(c->find("name") == nullptr ? "" : *c->find("name"), poses, *c, 0),
-              depth + 1);
-      if (c->name == "include")
-        include(*c, scope.empty() ? own + "_" : scope, X_WM * pose(*c), depth + 1);
+      if (c->name != "link") continue;
+      if (name_of(*c).empty())
+        context_.error(c->at, "CG1404", "a <link> without a name");
+      else
+        link(*c, scope, X_WM, names, flags);
     }
-    for (const XmlElement* j : joints) joint(*j, scope, X_WM, poses);
+    for (const auto& c : e.children)
+      if (c->name == "model")
+        model(*c, inside(e, scope), X_WM * resolve(name_of(*c), names, *c, 0), flags, depth + 1);
+    for (const auto& c : e.children)
+      if (c->name == "joint") joint(*c, scope, X_WM, names);
+    for (const auto& c : e.children)
+      if (c->name == "plugin") plugin(*c, names);
     context_.exact(e.at, quoted_name(e));
   }
 
-  void link(const XmlElement& e, const std::string& scope, const Pose& X_W, bool is_static) {
-    RobotLink out;
-    out.name = scope + *e.find("name");
+  void plugin(const XmlElement& e, const Names& names) {
+    const std::string system = gazebo_system(e);
+    if (system == "buoyancy") return buoyancy(e, names);
+    if (system == "windeffects") return wind_effects(e);
+    add_gazebo_plugin(context_, e, robot_, [&](const std::string& joint) {
+      const auto it = names.find(joint);
+      return it == names.end() ? std::string() : it->second.joint;
+    });
+  }
+
+  /// The force of the wind on a mass, m k (wind - v), is that of a drag.
+  void wind_effects(const XmlElement& e) {
+    const double factor =
+        std::max(0.0, value(&e, "force_approximation_scaling_factor").value_or(1.0));
+    for (RobotLink& l : robot_.links)
+      if (l.in_wind && l.inertia && std::isfinite(factor)) l.drag = factor * l.inertia->mass;
+    context_.approximate(e.at, plugin_element(e),
+                         "is a <drag> of each link with enable_wind; the wind does not vary");
+  }
+
+  void buoyancy(const XmlElement& e, const Names& names) {
+    constexpr double kNoSurface = 10000.0;  // [m]
+    RobotFluid fluid;
+    fluid.level = kNoSurface;
+    fluid.density = value(&e, "uniform_fluid_density").value_or(1000.0);
+    std::string differs;
+    if (const XmlElement* graded = e.child("graded_buoyancy")) {
+      fluid.density = value(graded, "default_density").value_or(1000.0);
+      if (const XmlElement* change = graded->child("density_change"))
+        fluid.level = value(change, "above_depth").value_or(0.0);
+      differs = "the fluid ends where its density changes first";
+    }
+    if (!(fluid.density > 0.0) || !std::isfinite(fluid.density) || !std::isfinite(fluid.level)) {
+      context_.left_out(e.at, plugin_element(e), "its fluid has no density");
+      return;
+    }
+    std::vector<std::string> enabled;
+    for (const auto& c : e.children)
+      if (c->name == "enable") enabled.push_back(c->text);
+    std::set<std::string> floats;
+    for (const auto& [name, n] : names)
+      if (!n.link.empty() &&
+          (enabled.empty() ||
+           std::any_of(enabled.begin(), enabled.end(), [&, &name = name](const std::string& of) {
+             return name == of || name.rfind(of + "::", 0) == 0;
+           })))
+        floats.insert(n.link);
+    for (RobotLink& l : robot_.links)
+      if (!l.is_static && floats.count(l.name) != 0) l.fluid = fluid;
+    if (differs.empty())
+      context_.exact(e.at, plugin_element(e),
+                     fmt::format("is <buoyancy>, up to a height of {} m", kNoSurface));
+    else
+      context_.approximate(e.at, plugin_element(e), "is <buoyancy>: " + differs);
+  }
+
+  void light(const XmlElement& e, const Pose& X_W, bool moves) {
+    RobotLight out;
+    const std::string* type = e.find("type");
+    out.type = type == nullptr ? "" : *type;
+    if (out.type != "directional" && out.type != "point" && out.type != "spot") {
+      context_.left_out(e.at, quoted_name(e), fmt::format("there is no light '{}'", out.type));
+      return;
+    }
+    out.name = name_of(e);
     out.at = e.at;
-    out.X = X_W;
-    out.is_static = is_static;
+    out.position = X_W.p;
+    Vec3 direction = vector(&e, "direction").value_or(Vec3(0.0, 0.0, -1.0));
+    if (!(direction.norm() > 1e-12)) direction = Vec3(0.0, 0.0, -1.0);
+    out.direction = X_W.q * direction.normalized();
+    if (const auto c = color(e, "diffuse")) out.color = *c;
+    if (const auto v = value(&e, "intensity"); v && *v >= 0.0 && std::isfinite(*v))
+      out.intensity = *v;
+    if (const auto angle = value(e.child("spot"), "outer_angle");
+        angle && *angle > 0.0 && *angle < kPi)
+      out.cone = 0.5 * *angle;
+    out.shadows = is_true(e, "cast_shadows");
+    context_.approximate(e.at, quoted_name(e),
+                         std::string("its fading and gloss are the renderer's own") +
+                             (moves ? "; it stays where it is at the start" : ""));
+    robot_.lights.push_back(std::move(out));
+  }
+
+  std::optional<Color> color(const XmlElement& in, const char* tag) {
+    const XmlElement* c = in.child(tag);
+    if (c == nullptr) return std::nullopt;
+    const auto v = context_.numbers(*c, c->text, 3, 4, fmt::format("<{}>", tag));
+    if (!v) return std::nullopt;
+    return Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
+  }
+
+  void link(const XmlElement& e, const std::string& scope, const Pose& X_WM, Names& names,
+            const ModelFlags& flags) {
+    RobotLink out;
+    out.name = scope + name_of(e);
+    out.at = e.at;
+    const Pose X_ML = resolve(name_of(e), names, e, 0);
+    out.X = X_WM * X_ML;
+    out.is_static = flags.is_static;
+    out.in_wind = is_true(e, "enable_wind", flags.in_wind);
     if (robot_.link(out.name) >= 0) {
       context_.error(e.at, "CG1407", fmt::format("a second link '{}'", out.name));
       return;
@@ -261,7 +429,7 @@ class SdfReader {
     inertia.I = Mat3::Identity();
     if (const XmlElement* i = e.child("inertial")) {
       inertia.mass = value(i, "mass").value_or(1.0);
-      const Pose X = pose(*i);
+      const Pose X = pose_on(*i, X_ML, names);
       inertia.com = X.p;
       if (const XmlElement* m = i->child("inertia")) {
         const auto v = [&](const char* tag, double otherwise) {
@@ -278,13 +446,20 @@ class SdfReader {
                           "is not computed");
     }
     if (inertia.mass > 0.0) out.inertia = inertia;
+    SensorPlace place;
+    for (const auto& c : e.children) place.collisions += c->name == "collision" ? 1 : 0;
     for (const auto& c : e.children) {
       if (c->name == "visual" || c->name == "collision") {
-        shape(*c, out, c->name == "visual");
+        shape(*c, out, c->name == "visual", pose_on(*c, X_ML, names));
       } else if (c->name == "sensor") {
-        context_.left_out(c->at, quoted_name(*c), "sensors of SDF are not read yet");
+        place.X = pose_on(*c, X_ML, names);
+        if (auto made = gazebo_sensor(context_, *c, place)) out.sensors.push_back(std::move(*made));
+      } else if (c->name == "light") {
+        light(*c, out.X * pose_on(*c, X_ML, names), !out.is_static);
       } else if (c->name == "gravity") {
         if (c->text == "false" || c->text == "0") out.gravity_scale = 0.0;
+      } else if (c->name == "plugin") {
+        plugin(*c, names);
       } else if (c->name != "pose" && c->name != "inertial" && c->name != "self_collide" &&
                  c->name != "kinematic" && c->name != "enable_wind" &&
                  c->name != "must_be_base_link") {
@@ -348,6 +523,14 @@ class SdfReader {
       good = shape.scale.cwiseAbs().minCoeff() > 0.0;
       if (s.child("submesh") != nullptr)
         context_.approximate(s.at, quoted_name(e), "the whole mesh is taken, not its submesh");
+    } else if (s.name == "heightmap") {
+      const auto why = heightmap(s, out);
+      if (!why) {
+        context_.left_out(s.at, quoted_name(e), why.error().message);
+        return false;
+      }
+      good = shape.size[0] > 0.0 && shape.size[1] > 0.0;
+      if (good && link.is_static && out.collides) robot_.has_ground = true;
     } else {
       context_.left_out(s.at, quoted_name(e), fmt::format("there is no shape <{}>", s.name));
       return false;
@@ -356,7 +539,7 @@ class SdfReader {
     return good;
   }
 
-  void shape(const XmlElement& e, RobotLink& link, bool visual) {
+  void shape(const XmlElement& e, RobotLink& link, bool visual, const Pose& X_LS) {
     const XmlElement* g = e.child("geometry");
     if (g == nullptr || g->children.empty()) {
       context_.left_out(e.at, quoted_name(e), "has no geometry");
@@ -365,20 +548,46 @@ class SdfReader {
     const XmlElement& s = *g->children.front();
     RobotShape out;
     out.at = e.at;
-    out.X = pose(e);
+    out.X = X_LS;
     out.visible = visual;
     out.collides = !visual;
     if (e.find("name") != nullptr) out.name = *e.find("name");
     if (!geometry(e, s, link, out)) return;
-    if (const XmlElement* m = e.child("material"))
-      if (const XmlElement* d = m->child("diffuse")) {
-        const auto v = context_.numbers(*d, d->text, 3, 4, "<diffuse>");
-        if (v) out.color = Color{(*v)[0], (*v)[1], (*v)[2], v->size() > 3 ? (*v)[3] : 1.0};
-      }
+    if (const XmlElement* m = e.child("material")) {
+      out.color = color(*m, "diffuse");
+      if (!out.color) out.color = color(*m, "ambient");
+    }
+    if (const auto t = value(&e, "transparency"); t && *t > 0.0 && *t <= 1.0) {
+      if (!out.color) out.color = Color{1.0, 1.0, 1.0, 1.0};
+      out.color->a *= 1.0 - *t;
+    }
     if (const XmlElement* surface = e.child("surface"))
       if (const XmlElement* of = surface->child("friction")) friction(*of, out);
     context_.exact(e.at, quoted_name(e));
     link.shapes.push_back(std::move(out));
+  }
+
+  /// Heights by a picture whose brightest point is size.z high.
+  Result<> heightmap(const XmlElement& s, RobotShape& out) {
+    const std::string uri = text(s, "uri");
+    if (uri.empty()) return fail("names no picture");
+    auto path = context_.locate(uri, s.at);
+    if (!path) return tl::unexpected(path.error());
+    auto& heights = heights_[*path];
+    if (heights == nullptr) {
+      auto bytes = read_whole_file(*path, context_.options.limits.asset_bytes);
+      if (!bytes) return tl::unexpected(bytes.error());
+      auto field = heights_of_picture(*bytes);
+      if (!field) return tl::unexpected(field.error());
+      const double most = *std::max_element(field->samples.begin(), field->samples.end());
+      for (double& h : field->samples) h = most > 0.0 ? h / most : 0.0;
+      heights = std::make_shared<const HeightField>(std::move(*field));
+    }
+    out.geometry.type = Geometry::Type::heightmap;
+    out.geometry.heights = heights;
+    out.geometry.size = vector(&s, "size").value_or(Vec3::Ones());
+    out.X = out.X * Pose(vector(&s, "pos").value_or(Vec3::Zero()), Quat::Identity());
+    return {};
   }
 
   /// A prism on its outline, which is at z = 0; false: it has no volume.
@@ -422,8 +631,7 @@ class SdfReader {
                             get("torsional", "patch_radius").value_or(0.0);
   }
 
-  void joint(const XmlElement& e, const std::string& scope, const Pose& X_WM,
-             std::map<std::string, RelativePose>& poses) {
+  void joint(const XmlElement& e, const std::string& scope, const Pose& X_WM, Names& names) {
     using Type = RobotJoint::Type;
     const std::string* name = e.find("name");
     const std::string* type = e.find("type");
@@ -445,16 +653,9 @@ class SdfReader {
     }
     out.type = known->second;
     const std::string parent = text(e, "parent"), child = text(e, "child");
-    const auto index = [&](const std::string& link) {
-      std::string full = scope + link;
-      for (std::size_t i; (i = full.find("::")) != std::string::npos;) full.replace(i, 2, "_");
-      int found = robot_.link(full);
-      if (found < 0) found = robot_.link(robot_.name + "_" + full);
-      return found;
-    };
-    out.child = index(child);
-    out.parent = parent == "world" || parent.empty() ? -1 : index(parent);
-    if (out.child < 0 || (out.parent < 0 && parent != "world")) {
+    out.child = link_of(child, names);
+    out.parent = parent.empty() ? -1 : link_of(parent, names);
+    if (out.child < 0 || parent.empty() || out.parent == kNoLink) {
       context_.error(e.at, "CG1408",
                      fmt::format("joint '{}' connects '{}' and '{}', of which one is no "
                                  "link of the model",
@@ -469,7 +670,7 @@ class SdfReader {
     const Pose X_WC = robot_.links[out.child].X;
     const Pose X_WP = out.parent < 0 ? Pose() : robot_.links[out.parent].X;
     out.X_PC = X_WP.inverse() * X_WC;
-    const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, poses, e, 0));
+    const Pose X_CJ = X_WC.inverse() * (X_WM * resolve(*name, names, e, 0));
     out.anchor = X_CJ.p;
     const auto axis = [&](const XmlElement* a) {
       Vec3 v = vector(a, "xyz").value_or(Vec3::UnitZ());
@@ -477,7 +678,7 @@ class SdfReader {
       Quat q = X_CJ.q;  // the joint's frame, unless said
       if (const XmlElement* xyz = a == nullptr ? nullptr : a->child("xyz"))
         if (const std::string* in = xyz->find("expressed_in"); in != nullptr && !in->empty())
-          q = X_WC.q.conjugate() * (X_WM * resolve(*in, poses, e, 0)).q;
+          q = X_WC.q.conjugate() * (X_WM * resolve(*in, names, e, 0)).q;
       const std::string parent_frame = a == nullptr ? "" : text(*a, "use_parent_model_frame");
       if (parent_frame == "true" || parent_frame == "1") q = X_WC.q.conjugate() * X_WM.q;
       return Vec3((q * v).normalized());
@@ -493,6 +694,13 @@ class SdfReader {
       out.pitch = thread;
       context_.approximate(e.at, quoted_name(e),
                            "check the sign of its pitch: versions of SDF differ");
+    }
+    for (const auto& c : e.children) {
+      if (c->name != "sensor") continue;
+      SensorPlace place;
+      place.joint = out.name;
+      if (auto made = gazebo_sensor(context_, *c, place))
+        robot_.links[static_cast<std::size_t>(out.child)].sensors.push_back(std::move(*made));
     }
     if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
     context_.exact(e.at, quoted_name(e));
@@ -535,7 +743,9 @@ class SdfReader {
 
   Context& context_;
   RobotModel robot_;
-  std::vector<std::unique_ptr<XmlElement>> kept_;
+  std::map<const XmlElement*, Pose> poses_;
+  std::map<const XmlElement*, std::string> scopes_;
+  std::map<std::string, std::shared_ptr<const HeightField>> heights_;  ///< by path
   static constexpr int kNoLink = -2;
   std::vector<int> carrier_;  ///< of each link: the link that its joint hangs on, or the world (-1)
   int models_ = 0;

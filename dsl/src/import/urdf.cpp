@@ -6,7 +6,7 @@
 #include <set>
 
 #include "cogrsim/core/parameter.h"
-#include "import/robot.h"
+#include "import/gazebo.h"
 
 namespace cogrsim::dsl::import {
 
@@ -451,15 +451,30 @@ class UrdfReader {
         const XmlElement* one = e.child("mu1");
         if (one == nullptr || one->text != c->text)
           context_.approximate(c->at, what, "friction is the same in all directions: mu1 is taken");
-      } else if (c->name == "sensor" && link >= 0) {
-        sensor(*c, robot_.links[link]);
+      } else if (c->name == "sensor" && reference != nullptr) {
+        sensor(*c, link, *reference);
+      } else if (c->name == "plugin") {
+        add_gazebo_plugin(context_, *c, robot_, [&](const std::string& joint) {
+          return robot_.joint(joint) < 0 ? "" : joint;
+        });
       } else {
         context_.left_out(c->at, what, "concerns Gazebo");
       }
     }
   }
 
-  void sensor(const XmlElement& e, RobotLink& link);
+  /// A sensor of a link, or with `link` < 0 of a joint.
+  void sensor(const XmlElement& e, int link, const std::string& reference) {
+    SensorPlace place;
+    place.X = child_pose(context_, e);
+    if (link < 0) {
+      place.joint = reference;
+      link = robot_.joints[static_cast<std::size_t>(robot_.joint(reference))].child;
+    }
+    RobotLink& on = robot_.links[static_cast<std::size_t>(link)];
+    for (const RobotShape& s : on.shapes) place.collisions += s.collides ? 1 : 0;
+    if (auto made = gazebo_sensor(context_, e, place)) on.sensors.push_back(std::move(*made));
+  }
 
   void check_tree(const XmlElement& root) {
     std::vector<int> carrier(robot_.links.size(), -1);
@@ -518,69 +533,6 @@ class UrdfReader {
   RobotModel robot_;
   std::map<std::string, Material> materials_;
 };
-
-/// Gazebo's sensors: camera, ray and gpu_ray, imu, contact.
-void UrdfReader::sensor(const XmlElement& e, RobotLink& link) {
-  const std::string* type = e.find("type");
-  const std::string kind = type == nullptr ? "" : *type;
-  RobotSensor out;
-  out.name = e.find("name") == nullptr ? kind : *e.find("name");
-  out.at = e.at;
-  if (const XmlElement* pose = e.child("pose")) {
-    if (const auto v = context_.numbers(*pose, pose->text, 6, 6, "the pose")) {
-      out.X.p = Vec3((*v)[0], (*v)[1], (*v)[2]);
-      out.X.q = from_rpy(Vec3((*v)[3], (*v)[4], (*v)[5]));
-    }
-  }
-  const auto value = [&](const XmlElement* in, const char* tag) -> std::optional<double> {
-    const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
-    if (c == nullptr) return std::nullopt;
-    const auto v = context_.numbers(*c, c->text, 1, 1, fmt::format("<{}>", tag));
-    if (!v) return std::nullopt;
-    return v->front();
-  };
-  if (const auto rate = value(&e, "update_rate"); rate && *rate > 0.0)
-    out.attributes.emplace_back("rate", fmt::format("{} Hz", *rate));
-  if (kind == "camera" || kind == "depth" || kind == "depth_camera" || kind == "rgbd_camera") {
-    out.element = "camera";
-    const XmlElement* camera = e.child("camera");
-    if (const auto fov = value(camera, "horizontal_fov"); fov && *fov > 0.0 && *fov < 3.1)
-      out.attributes.emplace_back("fov", fmt::format("{} rad", *fov));
-    const XmlElement* image = camera == nullptr ? nullptr : camera->child("image");
-    const auto w = value(image, "width"), h = value(image, "height");
-    if (w && h && *w >= 1 && *h >= 1 && *w <= 4096 && *h <= 4096)
-      out.attributes.emplace_back("resolution",
-                                  fmt::format("{} {}", static_cast<int>(*w), static_cast<int>(*h)));
-    if (kind != "camera") out.attributes.emplace_back("depth", "true");
-  } else if (kind == "ray" || kind == "gpu_ray" || kind == "lidar" || kind == "gpu_lidar") {
-    out.element = "lidar";
-    const XmlElement* ray = e.child("ray") != nullptr ? e.child("ray") : e.child("lidar");
-    const XmlElement* scan = ray == nullptr ? nullptr : ray->child("scan");
-    const XmlElement* flat = scan == nullptr ? nullptr : scan->child("horizontal");
-    const auto samples = value(flat, "samples");
-    const auto low = value(flat, "min_angle"), high = value(flat, "max_angle");
-    if (samples && *samples >= 1 && *samples <= 1e6)
-      out.attributes.emplace_back("rays", fmt::format("{}", static_cast<int>(*samples)));
-    if (low && high && *high > *low) {
-      out.attributes.emplace_back("fov", fmt::format("{} rad", std::min(*high - *low, 2.0 * kPi)));
-      const double middle = 0.5 * (*low + *high);
-      out.X.q = (out.X.q * from_rpy(Vec3(0.0, 0.0, middle))).normalized();
-    }
-    const XmlElement* range = ray == nullptr ? nullptr : ray->child("range");
-    const auto near = value(range, "min"), far = value(range, "max");
-    if (near && far && *far > *near && *near >= 0.0)
-      out.attributes.emplace_back("range", fmt::format("{} .. {} m", *near, *far));
-  } else if (kind == "imu") {
-    out.element = "imu";
-  } else if (kind == "contact") {
-    out.element = "contact";
-  } else {
-    context_.left_out(e.at, quoted_name(e), fmt::format("there is no sensor of type '{}'", kind));
-    return;
-  }
-  context_.approximate(e.at, quoted_name(e), "without its noise and plugins");
-  link.sensors.push_back(std::move(out));
-}
 
 }  // namespace
 

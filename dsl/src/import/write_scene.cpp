@@ -41,6 +41,8 @@ class SceneWriter {
     couplings();
     drives();
     springs();
+    forces();
+    for (const RobotLight& l : robot_.lights) light(l);
     for (const RobotLink& l : robot_.links)
       for (const RobotSensor& s : l.sensors) sensor(l, s);
     for (const auto& [a, b] : robot_.no_contact)
@@ -71,6 +73,8 @@ class SceneWriter {
       if (robot_.gravity) out += fmt::format(" gravity=\"{}\"", list(*robot_.gravity));
       out += "/>\n";
     }
+    if (robot_.wind && *robot_.wind != Vec3::Zero())
+      out += fmt::format("  <wind velocity=\"{}\"/>\n", list(*robot_.wind));
     out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n", type, body);
     if (context_.options.floor && !robot_.has_ground)
       out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
@@ -631,6 +635,8 @@ class SceneWriter {
       if (d.mode == RobotDrive::Mode::position && d.kp > 0.0) {
         out += fmt::format("    <servo name=\"{}\" joint=\"{}\" kp=\"{} {}\"", d.name, d.joint,
                            d.kp, turns ? "N*m/rad" : "N/m");
+        if (d.ki > 0.0)
+          out += fmt::format(" ki=\"{} {}\"", d.ki, turns ? "N*m/(rad*s)" : "N/(m*s)");
         if (d.kd > 0.0) out += fmt::format(" kd=\"{} {}\"", d.kd, turns ? "N*m*s/rad" : "N*s/m");
         out += bound;
         if (d.target) out += fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m");
@@ -639,6 +645,8 @@ class SceneWriter {
       }
       const std::string target =
           !d.target ? ""
+          : d.mode == RobotDrive::Mode::position
+              ? fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m")
           : d.mode == RobotDrive::Mode::velocity
               ? fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad/s" : "m/s")
               : fmt::format(" target=\"{} {}\"", *d.target, turns ? "N*m" : "N");
@@ -706,11 +714,38 @@ class SceneWriter {
     }
   }
 
-  /// Whether a point lies in a shape at the start; of meshes it is not known.
-  bool is_inside(const Vec3& p) const {
+  void forces() {
+    for (const RobotLink& l : robot_.links) {
+      if (l.is_static) continue;
+      if (l.drag > 0.0 && l.inertia)
+        *body_ += fmt::format("    <drag on=\"{}\" xyz=\"{}\" linear=\"{} N*s/m\"/>\n", l.name,
+                              list(tidy(l.inertia->com)), l.drag);
+      if (l.fluid && std::any_of(l.shapes.begin(), l.shapes.end(),
+                                 [](const RobotShape& s) { return s.collides; }))
+        *body_ += fmt::format("    <buoyancy on=\"{}\" level=\"{} m\" density=\"{} kg/m^3\"/>\n",
+                              l.name, l.fluid->level, l.fluid->density);
+    }
+  }
+
+  void light(const RobotLight& l) {
+    std::string& out = *body_;
+    out += fmt::format("    <light name=\"{}\" type=\"{}\"", l.name, l.type);
+    if (l.type != "directional") out += fmt::format(" xyz=\"{}\"", list(tidy(l.position)));
+    if (l.type != "point") out += fmt::format(" direction=\"{}\"", list(tidy(l.direction)));
+    out += fmt::format(" color=\"#{:02x}{:02x}{:02x}\"", byte(l.color.r), byte(l.color.g),
+                       byte(l.color.b));
+    if (l.intensity != 1.0) out += fmt::format(" intensity=\"{}\"", l.intensity);
+    if (l.type == "spot" && l.cone) out += fmt::format(" cone=\"{} rad\"", *l.cone);
+    out += l.shadows ? "/>\n" : " shadows=\"false\"/>\n";
+  }
+
+  /// Whether a point lies in a visible shape at the start, but for those of one link; of meshes it is
+  /// not known.
+  bool is_inside(const Vec3& p, std::size_t but) const {
     using Type = Geometry::Type;
     for (std::size_t i = 0; i < robot_.links.size(); ++i)
       for (const RobotShape& s : robot_.links[i].shapes) {
+        if (i == but || !s.visible) continue;
         const Geometry& g = s.geometry;
         const Vec3 x = (poses_[i] * s.X).inverse() * p;
         const double r = std::hypot(x[0], x[1]), h = std::abs(x[2]);
@@ -726,13 +761,14 @@ class SceneWriter {
 
   void sensor(const RobotLink& l, const RobotSensor& s) {
     std::string& out = *body_;
-    const Vec3 p = poses_[&l - robot_.links.data()] * s.X.p;
+    const auto own = static_cast<std::size_t>(&l - robot_.links.data());
+    const Vec3 p = poses_[own] * s.X.p;
     const bool below_floor =
         context_.options.floor && !robot_.has_ground && !extent_.empty() && p[2] < extent_.low[2];
-    if (s.element == "camera" && (below_floor || is_inside(p))) {
+    if (s.element == "camera" && (below_floor || is_inside(p, own))) {
       context_.left_out(s.at, fmt::format("camera '{}'", s.name),
                         below_floor ? "lies below the floor, where it would see nothing"
-                                    : "lies inside a shape, where it would see nothing");
+                                    : "lies inside another body, where it would see nothing");
       return;
     }
     out += fmt::format("    <{} name=\"{}\"", s.element, s.name);
