@@ -301,7 +301,7 @@ TEST_CASE("wind of a world pushes the links that are in it", "[sdf][gazebo]") {
     } else {
       CHECK(f.kind == ForceModel::Kind::drag);
       CHECK(f.linear == 0.5);  // 0.25 / s times 2 kg
-      CHECK(&in.model->bodies.at(static_cast<std::size_t>(f.body)) == &in.body("l"));
+      CHECK(&in.model->bodies.at(f.body) == &in.body("l"));
     }
   }
 }
@@ -326,7 +326,7 @@ TEST_CASE("buoyancy of a world lifts what is enabled", "[sdf][gazebo]") {
   REQUIRE(in.model->forces.size() == 1);
   const ForceModel& f = in.model->forces[0];
   CHECK(f.kind == ForceModel::Kind::buoyancy);
-  CHECK(&in.model->bodies.at(static_cast<std::size_t>(f.body)) == &in.body("l"));
+  CHECK(&in.model->bodies.at(f.body) == &in.body("l"));
   CHECK(f.density == 900.0);
   CHECK(f.level == (graded ? -2.0 : 10000.0));
 }
@@ -390,7 +390,7 @@ TEST_CASE("names in models reach into models inside of them", "[sdf]") {
   const Body& hand = in.body("robot_arm_hand");
   CHECK((hand.X_WB.p - Vec3(1, 0, 11)).norm() < 1e-12);
   const Joint& j = in.joint("robot_j");
-  CHECK(&in.model->bodies.at(static_cast<std::size_t>(j.child)) == &hand);
+  CHECK(&in.model->bodies.at(j.child) == &hand);
   CHECK((j.X_CM.p - Vec3(0, 0, 0.5)).norm() < 1e-12);
   CHECK((in.body("last_l").X_WB.p - Vec3(1, 0, 12)).norm() < 1e-12);
   CHECK(in.joint("tie").type == JointType::ball);
@@ -418,4 +418,15 @@ TEST_CASE("a model is included from a folder beside it or a package, and placed"
   CHECK((in.body("l").X_WB.p - Vec3(1, 0, 0)).norm() < 1e-12);
   CHECK((in.body("two_l").X_WB.p - Vec3(2, 0, -0.5)).norm() < 1e-12);
   CHECK(in.body("two_l").kind == BodyKind::fixed);
+}
+
+TEST_CASE("a joint between links that stand is left out", "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.9"><model name="m"><static>true</static><link name="a"/><link name="b"/>
+<joint name="turn" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
+</model></sdf>)",
+          "m.sdf");
+  REQUIRE(in.model);
+  CHECK(in.model->joints.empty());
+  CHECK(in.reports(dsl::Fidelity::left_out, "turn", "does not move"));
 }

@@ -111,3 +111,11 @@ TEST_CASE("meshes of MJCF collide as their hulls, also those of the world", "[mj
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "geom", "leaves no volume"));
 }
+
+TEST_CASE("a step that no scene has is left out", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><option timestep="2"/><worldbody><body><geom size="0.1"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "step", "2 s"));
+}

@@ -128,12 +128,12 @@ class SensorReader {
         {"magnetometer", "a <pose> sensor has the orientation"},
         {"air_pressure", "a <pose> sensor has the height"},
         {"air_speed", "a <pose> sensor has the velocity"},
-        {"sonar", "say <infrared beam>, the nearest distance in a cone"},
-        {"force_torque", "measures a joint: say <force-torque joint>"},
+        {"sonar", "use <infrared beam>, the nearest distance in a cone"},
+        {"force_torque", "measures a joint: use <force-torque joint>"},
         {"logical_camera", "a <camera segmentation> or a <region> sees which bodies are there"},
         {"boundingbox_camera", "a <camera segmentation> has the body in every pixel"},
         {"wideanglecamera", "cameras of a scene are pinholes, of at most 3.1 rad"},
-        {"multicamera", "say one <camera> for each of its own"}};
+        {"multicamera", "use one <camera> for each of its own"}};
     std::string why = fmt::format("there is no sensor of type '{}'", kind_);
     for (const auto& [kind, instead] : kInstead)
       if (kind_ == kind) why += fmt::format(": {}", instead);
@@ -325,36 +325,36 @@ constexpr System kSystems[] = {
     {"jointstatepublisher posepublisher statepublisher linkstatepublisher jointpositionpublisher",
      kHas, "controllers and recordings have the states of all joints and bodies"},
     {"logrecord camerarecorder videorecorder cameravideorecorder recorder", kLacks,
-     "say <record>, or cogrsim run --record"},
+     "use <record>, or cogrsim run --record"},
     {"odometrypublisher p3d imusensor gps", kLacks,
-     "say <pose>, a sensor of position and velocity"},
-    {"ackermannsteering ackermanndrive", kLacks, "say <motor>s and the controller ackermann_drive"},
-    {"mecanumdrive omnidrive planarmove", kLacks, "say <motor>s and the controller omni_drive"},
+     "use <pose>, a sensor of position and velocity"},
+    {"ackermannsteering ackermanndrive", kLacks, "use <motor>s and the controller ackermann_drive"},
+    {"mecanumdrive omnidrive planarmove", kLacks, "use <motor>s and the controller omni_drive"},
     {"trackedvehicle simpletrackedvehicle trackcontroller", kLacks,
-     "say surface-velocity on the tracks' shapes"},
+     "use surface-velocity on the tracks' shapes"},
     {"jointtrajectorycontroller jointposetrajectory trajectoryfollower", kLacks,
-     "say <servo>s and the controller trajectory_player"},
-    {"applylinkwrench force", kLacks, "say <force>, or apply_force() in Python"},
+     "use <servo>s and the controller trajectory_player"},
+    {"applylinkwrench force", kLacks, "use <force>, or apply_force() in Python"},
     {"liftdrag advancedliftdrag", kLacks,
      "<drag> has the resistance; a lift is a <force factor> with the signal of a controller"},
     {"hydrodynamics lighterthanairdynamics", kLacks,
      "<drag> has the damping; added mass is left out"},
-    {"buoyancyengine", kLacks, "say <force factor> with the signal of a controller"},
+    {"buoyancyengine", kLacks, "use <force factor> with the signal of a controller"},
     {"thruster spacecraftthrustermodel", kLacks,
-     "say <force axes=\"own\" factor> with the thrust as the signal of a controller"},
+     "use <force axes=\"own\" factor> with the thrust as the signal of a controller"},
     {"multicoptermotormodel", kLacks,
-     "say <force axes=\"own\" factor> for thrust and torque of a rotor, as the library's "
+     "use <force axes=\"own\" factor> for thrust and torque of a rotor, as the library's "
      "quadrotor"},
-    {"multicoptervelocitycontrol multicoptercontrol", kLacks, "say the controller quadrotor_pilot"},
+    {"multicoptervelocitycontrol multicoptercontrol", kLacks, "use the controller quadrotor_pilot"},
     {"velocitycontrol drivetoposecontroller setvelocity", kLacks,
-     "say kinematic=\"true\" and linear-velocity, or motors and a controller"},
-    {"detachablejoint vacuumgripper graspfix", kLacks, "say <on> with <attach> and <detach>"},
-    {"touchplugin bumper", kLacks, "say <contact> and <on>"},
-    {"performerdetector", kLacks, "say <region>"},
-    {"triggeredpublisher", kLacks, "say <on>"},
-    {"elevator", kLacks, "say <slider>, <servo> and <on> with <drive>"},
-    {"breadcrumbs", kLacks, "say <template> and <spawn>"},
-    {"wheelslip lookupwheelslip", kLacks, "say the friction of the wheels' material"},
+     "use kinematic=\"true\" and linear-velocity, or motors and a controller"},
+    {"detachablejoint vacuumgripper graspfix", kLacks, "use <on> with <attach> and <detach>"},
+    {"touchplugin bumper", kLacks, "use <contact> and <on>"},
+    {"performerdetector", kLacks, "use <region>"},
+    {"triggeredpublisher", kLacks, "use <on>"},
+    {"elevator", kLacks, "use <slider>, <servo> and <on> with <drive>"},
+    {"breadcrumbs", kLacks, "use <template> and <spawn>"},
+    {"wheelslip lookupwheelslip", kLacks, "use the friction of the wheels' material"},
     {"kineticenergymonitor", kLacks, "recordings have the energy"},
     {"label", kHas, "a <camera segmentation> has the body in every pixel"},
     {"environmentpreload environmentalsystem", kLacks,
@@ -367,12 +367,12 @@ constexpr System kSystems[] = {
      "visibilityplugin",
      kLacks, "concerns appearance only"},
     {"roscontrol ros2control gazeboroscontrol gzros2control gazeboros2control ignros2control",
-     kLacks, "say <motor>s or <servo>s and a <controller>, which may be a program of its own"},
+     kLacks, "use <motor>s or <servo>s and a <controller>, which may be a program of its own"},
     {"camera depthcamera openni openinikinect openikinect laser gpulaser blocklaser raysensor "
      "ftsensor velodynelaser velodynegpulaser rossensor jointposecontroller",
      kHas, "every scene has the sensor's readings"},
-    {"freespaceexplorer", kLacks, "say the controller grid_navigator"},
-    {"pythonsystemloader", kLacks, "say a <controller> in Python"},
+    {"freespaceexplorer", kLacks, "use the controller grid_navigator"},
+    {"pythonsystemloader", kLacks, "use a <controller> in Python"},
     {"colladaworldexporter", kLacks, "cogrsim export writes the scene"},
 };
 
@@ -526,7 +526,7 @@ void report_gazebo_plugin(Context& context, const XmlElement& plugin) {
     return;
   }
   context.left_out(plugin.at, plugin_element(plugin),
-                   "what this plugin does is not known: say a <controller>");
+                   "what this plugin does is not known: use a <controller>");
 }
 
 }  // namespace cogrsim::dsl::import

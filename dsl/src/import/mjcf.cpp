@@ -101,7 +101,7 @@ void MjcfReader::compiler(const XmlElement& e) {
 }
 
 void MjcfReader::option(const XmlElement& e) {
-  if (const auto step = context_.number(e, "timestep"); step && *step > 0.0) robot_.step = *step;
+  if (const auto step = context_.number(e, "timestep")) robot_.take_step(context_, *step, e.at);
   if (e.find("gravity") != nullptr) robot_.gravity = context_.vec3(e, "gravity", Vec3(0, 0, -9.81));
   for (const auto& [key, value] : e.attributes) {
     if (key == "timestep" || key == "gravity") continue;

@@ -375,6 +375,13 @@ void remove_idle_sensors(Context& context, RobotModel& robot) {
 
 }  // namespace
 
+void RobotModel::take_step(Context& context, double seconds, const Source& at) {
+  if (seconds >= 1e-9 && seconds <= 1.0)
+    step = seconds;
+  else
+    context.left_out(at, "step", fmt::format("{} s is none, which is from 1e-9 to 1 s", seconds));
+}
+
 void leave_out_features(Context& context, RobotModel& robot) {
   const ImportWithout& without = context.options.without;
   for (RobotJoint& j : robot.joints) {

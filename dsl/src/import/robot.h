@@ -181,6 +181,8 @@ struct RobotModel {
   std::optional<Vec3> wind;     ///< [m/s]
   bool has_ground = false;
 
+  /// The step of the file at `at`; one that no scene has is reported.
+  void take_step(Context& context, double seconds, const Source& at);
   int link(const std::string& name) const;
   int joint(const std::string& name) const;
   /// Whether a link never moves; -1: the world.

@@ -271,8 +271,8 @@ class SdfReader {
     Names names = names_of(e, "", 0);
     for (const auto& c : e.children) {
       if (c->name == "physics") {
-        if (const auto step = value(c.get(), "max_step_size"); step && *step > 0.0)
-          robot_.step = *step;
+        if (const auto step = value(c.get(), "max_step_size"))
+          robot_.take_step(context_, *step, c->at);
         context_.approximate(c->at, quoted_name(*c), "its step is taken");
       } else if (c->name == "model") {
         model(*c, "", resolve(name_of(*c), names, *c, 0), {}, 0);
@@ -667,6 +667,10 @@ class SdfReader {
                      fmt::format("joint '{}' connects '{}' to itself", *name, child));
       return;
     }
+    if (out.type != Type::fixed && robot_.stands(out.parent) && robot_.stands(out.child)) {
+      context_.left_out(e.at, quoted_name(e), "joins what does not move");
+      return;
+    }
     const Pose X_WC = robot_.links[out.child].X;
     const Pose X_WP = out.parent < 0 ? Pose() : robot_.links[out.parent].X;
     out.X_PC = X_WP.inverse() * X_WC;
@@ -700,7 +704,7 @@ class SdfReader {
       SensorPlace place;
       place.joint = out.name;
       if (auto made = gazebo_sensor(context_, *c, place))
-        robot_.links[static_cast<std::size_t>(out.child)].sensors.push_back(std::move(*made));
+        robot_.links[out.child].sensors.push_back(std::move(*made));
     }
     if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
     context_.exact(e.at, quoted_name(e));

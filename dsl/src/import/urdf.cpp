@@ -469,9 +469,9 @@ class UrdfReader {
     place.X = child_pose(context_, e);
     if (link < 0) {
       place.joint = reference;
-      link = robot_.joints[static_cast<std::size_t>(robot_.joint(reference))].child;
+      link = robot_.joints[robot_.joint(reference)].child;
     }
-    RobotLink& on = robot_.links[static_cast<std::size_t>(link)];
+    RobotLink& on = robot_.links[link];
     for (const RobotShape& s : on.shapes) place.collisions += s.collides ? 1 : 0;
     if (auto made = gazebo_sensor(context_, e, place)) on.sensors.push_back(std::move(*made));
   }

@@ -32,6 +32,9 @@ class SceneWriter {
     poses_ =
         find_poses([this](const RobotJoint& j) { return travel(j, start_in_scene(j), j.turn); });
     zero_poses_ = find_poses([](const RobotJoint&) { return Pose(); });
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      starts_moved_ |= (poses_[i].p - zero_poses_[i].p).norm() > 1e-9 ||
+                       poses_[i].q.angularDistance(zero_poses_[i].q) > 1e-9;
     std::string body;
     body_ = &body;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
@@ -117,6 +120,20 @@ class SceneWriter {
     if (!coupled_starts_.empty() && coupled_above(j.parent) != coupled_above(j.child)) {
       context_.left_out(j.at, fmt::format("loop '{}'", j.name),
                         "a coupling with an offset moves a joint of it at the start");
+      return false;
+    }
+    // A loop's first joint hangs a free tree up, which then moves about it.
+    const auto end = [&](int link) {
+      while (link >= 0 && inboard_[link] != nullptr) link = inboard_[link]->parent;
+      for (auto on = hung_.find(link); on != hung_.end(); on = hung_.find(link)) link = on->second;
+      return robot_.stands(link) ? -1 : link;
+    };
+    const int a = end(j.parent), b = end(j.child);
+    if (a != b) {
+      hung_[std::max(a, b)] = std::min(a, b);
+    } else if (!hung_.empty() && starts_moved_) {
+      context_.left_out(j.at, fmt::format("loop '{}'", j.name),
+                        "another one holds the robot, whose joints do not start at their zeros");
       return false;
     }
     if (j.parent < 0) return true;
@@ -789,6 +806,8 @@ class SceneWriter {
   std::vector<const RobotJoint*> coupled_;              // a joint before those that follow it
   std::vector<const RobotJoint*> inboard_;              // of each link
   std::vector<Pose> poses_, zero_poses_;
+  bool starts_moved_ = false;  // joints away from their zeros
+  std::map<int, int> hung_;    // the root of a free tree, and what a loop's joint hangs it on
   Bounds extent_;
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
