@@ -135,7 +135,7 @@ TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
       R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
   const auto named = [&](const char* name) {
     std::string out = link;
-    out.replace(out.find("N"), 1, name);
+    out.replace(out.find('N'), 1, name);
     return out;
   };
   in.read("<robot name=\"r\">\n" + named("a") + "\n" + named("b") + "\n</robot>");

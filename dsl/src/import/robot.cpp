@@ -466,7 +466,7 @@ void make_names(Context& context, RobotModel& robot) {
   for (RobotJoint& j : robot.loops) j.name = make(j.name, "joint", j.at);
   for (RobotJoint& j : robot.joints)
     if (j.coupling) {
-      std::string missing;
+      std::optional<std::string> missing;  // a name may be empty
       for (RobotCoupling::Term& term : j.coupling->terms) {
         const auto it = joints.find(term.joint);
         if (it == joints.end())
@@ -474,9 +474,9 @@ void make_names(Context& context, RobotModel& robot) {
         else
           term.joint = it->second;
       }
-      if (missing.empty()) continue;
+      if (!missing) continue;
       context.left_out(j.at, fmt::format("coupling of joint '{}'", j.name),
-                       fmt::format("there is no joint '{}' that moves", missing));
+                       fmt::format("there is no joint '{}' that moves", *missing));
       j.coupling.reset();
     }
   for (RobotLink& l : robot.links) {
