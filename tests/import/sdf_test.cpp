@@ -72,3 +72,21 @@ TEST_CASE("axes of a universal joint are made perpendicular", "[sdf]") {
   CHECK(in.joint("j").type == JointType::hinge);
   CHECK(in.reports(dsl::Fidelity::left_out, "axes of joint 'j'", "are parallel"));
 }
+
+TEST_CASE("both words for the thread of a screw are read", "[sdf]") {
+  const auto pitch = [](const std::string& words) {
+    Imported in;
+    in.read(R"(<sdf version="1.9"><model name="m"><link name="a"/><link name="b"><pose>0 0 1 0 0 0</pose></link>
+<joint name="fix" type="fixed"><parent>world</parent><child>a</child></joint>
+<joint name="turn" type="screw"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis>)" +
+                words + "</joint></model></sdf>",
+            "m.sdf");
+    REQUIRE(in.model);
+    const Joint& turn = in.joint("turn");
+    return turn.type == JointType::screw ? turn.pitch : 0.0;
+  };
+  CHECK(pitch("<screw_thread_pitch>0.002</screw_thread_pitch>") == Approx(0.002));
+  CHECK(pitch("<thread_pitch>-100</thread_pitch>") == Approx(2.0 * 3.14159265358979 / 100.0));
+  CHECK(pitch("<screw_thread_pitch>0</screw_thread_pitch>") == 0.0);
+  CHECK(pitch("<thread_pitch>0</thread_pitch>") == 0.0);
+}

@@ -693,11 +693,13 @@ class SdfReader {
     if (a != nullptr && (out.type == Type::hinge || out.type == Type::slider))
       axis_law(*a, scope, *type != "continuous", out);
     if (out.type == Type::screw) {
-      const double thread =
-          value(&e, "screw_thread_pitch").value_or(value(&e, "thread_pitch").value_or(1.0));
-      out.pitch = thread;
-      context_.approximate(e.at, quoted_name(e),
-                           "check the sign of its pitch: versions of SDF differ");
+      // Since SDF 1.10 [m/turn]; before, [rad/m] of a left-handed thread.
+      const auto travel = value(&e, "screw_thread_pitch");
+      out.pitch = travel ? *travel : -2.0 * kPi / value(&e, "thread_pitch").value_or(1.0);
+      if (out.pitch == 0.0 || !std::isfinite(out.pitch)) {
+        out.type = Type::hinge;
+        context_.approximate(e.at, quoted_name(e), "is a hinge, as its thread has no pitch");
+      }
     }
     for (const auto& c : e.children) {
       if (c->name != "sensor") continue;
