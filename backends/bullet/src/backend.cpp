@@ -28,12 +28,7 @@ const char* pair_note(ShapeType a, ShapeType b) {
 Capabilities make_capabilities() {
   Capabilities out;
   set_shape_features(out);
-  for (const ShapeType a : kShapeTypes) {
-    for (const ShapeType b : kShapeTypes) {
-      const char* const note = is_surface(a) && is_surface(b) ? nullptr : pair_note(a, b);
-      if (note) out.set(pair_feature(a, b), Support::approximate, note);
-    }
-  }
+  set_pair_notes(out, pair_note);
   set_joint_features(out);
   for (const JointType type : kJointTypes) {
     const std::string name = to_string(type);
@@ -57,18 +52,14 @@ Capabilities make_capabilities() {
     out.set(std::string(feature) + "gimbal", Support::unsupported,
             "three hinges with light bodies between them do the same");
   }
-  for (const char* feature :
-       {"joint.damping.ball", "joint.friction.ball", "joint.stiffness.ball"}) {
-    out.set(feature, Support::unsupported, "btPoint2PointConstraint has neither motor nor spring");
-  }
+  out.set_all({"joint.damping.ball", "joint.friction.ball", "joint.stiffness.ball"},
+              Support::unsupported, "btPoint2PointConstraint has neither motor nor spring");
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist separately, not the whole angle of turning");
-  for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-        "runtime.remove", "runtime.save", "runtime.set_state", "report.contact_force",
-        "report.joint_reaction", "report.joint_effort"}) {
-    out.set(feature, Support::exact);
-  }
+  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+               "runtime.remove", "runtime.save", "runtime.set_state", "report.contact_force",
+               "report.joint_reaction", "report.joint_effort"},
+              Support::exact);
   out.set("contact.stiffness", Support::approximate,
           "a spring for each contact point, its sag 5 % off");
   out.set("contact.surface-velocity", Support::approximate,

@@ -35,13 +35,13 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
                                  const btTransform& frame_a, const btTransform& frame_b,
                                  double softness)
     : joint_(joint),
-      type_(model.joints[at(joint)].type),
+      type_(model.joints[joint].type),
       a_(a),
       b_(b),
       frame_a_(frame_a),
       frame_b_(frame_b),
       softness_(softness) {
-  const Joint& made = model.joints[at(joint)];
+  const Joint& made = model.joints[joint];
   collide_ = made.bodies_collide;
   switch (type_) {
     case JointType::hinge:
@@ -218,9 +218,8 @@ void ConstraintJoint::drive(const Axis& axis, Row& row, double dt, double veloci
 void ConstraintJoint::stop(const Axis& axis, Row& row) {
   if (!row.on) return;
   row.on = false;
-  if (!row.extra && type_ == JointType::hinge) {
+  if (!row.extra && type_ == JointType::hinge)
     return static_cast<btHingeConstraint&>(*main_).enableMotor(false);
-  }
   enable(row.extra ? *row.extra->constraint : static_cast<btGeneric6DofConstraint&>(*main_),
          axis.dof, false);
 }
@@ -274,7 +273,7 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
         continue;
       }
       Drive law{0.0, axis.law.stiffness, axis.law.rest, axis.law.damping};
-      if (row.kind == Kind::motor) law = drives[at(row.motor)];
+      if (row.kind == Kind::motor) law = drives[row.motor];
       if (law.is_speed_source()) {
         row.bound = law.max_effort;
         drive(axis, row, dt, law.velocity, softness_);
@@ -325,7 +324,7 @@ void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B
       if (row.on && row.extra) effort = part(row.extra->load);
       if (row.on && !row.extra) effort = joint[i];
       if (row.extra || !row.on) joint[i] += effort;
-      if (row.kind == Kind::motor) motors[at(row.motor)] = effort;
+      if (row.kind == Kind::motor) motors[row.motor] = effort;
     }
   }
 }

@@ -115,9 +115,8 @@ void Engine::make_world() {
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
   solver.m_warmstartingFactor = option<double>(*options_, "warm-starting-factor");
   if (!option<bool>(*options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
-  if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2) {
+  if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2)
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  }
   if (surfaces_->any_moves()) {
     solver.m_solverMode |=
         SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
@@ -151,7 +150,7 @@ Result<> Engine::build(const WorldState& state) {
   for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
   // Pairs that the scene keeps apart. A constraint's ends are kept apart by itself.
   for (const auto& [first, second] : model_->no_collide) {
-    btRigidBody *const a = parts_[at(first)].rigid.get(), *const b = parts_[at(second)].rigid.get();
+    btRigidBody *const a = parts_[first].rigid.get(), *const b = parts_[second].rigid.get();
     if (!a || !b) continue;
     a->setIgnoreCollisionCheck(b, true);
     b->setIgnoreCollisionCheck(a, true);
@@ -167,9 +166,9 @@ Motion Engine::motion_of(const Part& part, const Pose& X, const Twist& V) const 
 }
 
 void Engine::add_body(int body, const WorldState& state) {
-  const Body& of = model_->bodies[at(body)];
-  Part& part = parts_[at(body)];
-  const Motion start = motion_of(part, state.poses[at(body)], state.twists[at(body)]);
+  const Body& of = model_->bodies[body];
+  Part& part = parts_[body];
+  const Motion start = motion_of(part, state.poses[body], state.twists[body]);
   btRigidBody::btRigidBodyConstructionInfo info(of.kind == BodyKind::dynamic ? of.mass : 0.0,
                                                 nullptr, part.shape->shape, part.inertia);
   info.m_startWorldTransform = start.X;
@@ -188,7 +187,7 @@ void Engine::add_body(int body, const WorldState& state) {
     set_motion(rigid, start);
     movers_.push_back(body);
   }
-  before_[at(body)] = start;
+  before_[body] = start;
   part.shape->collides ? world_->addRigidBody(&rigid) : world_->addRigidBody(&rigid, 0, 0);
   rigid.setGravity(of.gravity_scale * world_->getGravity());  // addRigidBody sets the world's
 }
@@ -201,14 +200,14 @@ void Engine::set_motion(btRigidBody& body, const Motion& motion) {
 }
 
 void Engine::add_joint(int joint) {
-  const Joint& made = model_->joints[at(joint)];
+  const Joint& made = model_->joints[joint];
   if (made.removed || made.type == JointType::free) return;
-  const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[at(body)]); };
+  const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[body]); };
   if (!is_free(made.parent) && !is_free(made.child)) return;
-  const auto exists = [&](int body) { return body == kWorld || parts_[at(body)].rigid; };
+  const auto exists = [&](int body) { return body == kWorld || parts_[body].rigid; };
   if (!exists(made.parent) || !exists(made.child)) return;  // of a forged snapshot
   const auto rigid = [&](int body) -> btRigidBody& {
-    return body == kWorld ? *ground_ : *parts_[at(body)].rigid;
+    return body == kWorld ? *ground_ : *parts_[body].rigid;
   };
   auto constraint = std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
@@ -223,19 +222,18 @@ Motion Engine::motion(const btRigidBody& body) {
 
 void Engine::forget_contacts() {
   btOverlappingPairCache& cache = *broadphase_->getOverlappingPairCache();
-  for (int i = 0; i < cache.getNumOverlappingPairs(); ++i) {
+  for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
     cache.cleanOverlappingPair(cache.getOverlappingPairArray()[i], dispatcher_.get());
-  }
 }
 
 /// A frame of a body's, in Bullet's frame of it.
 btTransform Engine::frame_of(int body, const Pose& X_BF) const {
-  if (body == kWorld || parts_[at(body)].centred) return to_bt(X_BF);
-  return to_bt(parts_[at(body)].X_BG.inverse() * X_BF);
+  if (body == kWorld || parts_[body].centred) return to_bt(X_BF);
+  return to_bt(parts_[body].X_BG.inverse() * X_BF);
 }
 
 double* Engine::count_turns(int joint) const {
-  const Joint& of = model_->joints[at(joint)];
+  const Joint& of = model_->joints[joint];
   const auto place = [&](int body) { return body == kWorld ? Pose() : pose(body); };
   double* const q = positions_.data() + of.position_offset;
   joint_position(of, relative_pose(of, place(of.parent), place(of.child)), q, q);
@@ -247,8 +245,8 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
   double spin = 0.0;
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
-    Part& part = parts_[at(b)];
-    const Twist& V = twists[at(b)];
+    Part& part = parts_[b];
+    const Twist& V = twists[b];
     const double angle = V.angular.norm() * dt;
     part.place.p += V.linear * dt;
     if (angle > 0) {
@@ -256,13 +254,13 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
       part.place.q = (turn * part.place.q).normalized();
     }
     spin = std::max(spin, angle / dt);
-    before_[at(b)].X = to_bt(part.place * part.X_BG);
-    part.rigid->setWorldTransform(before_[at(b)].X);
+    before_[b].X = to_bt(part.place * part.X_BG);
+    part.rigid->setWorldTransform(before_[b].X);
   }
   for (const auto& joint : joints_) {
     if (joint->has_laws()) joint->apply(dt, drives, [&] { return count_turns(joint->joint()); });
   }
-  for (const int b : movers_) before_[at(b)] = motion(*parts_[at(b)].rigid);
+  for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
   for (std::size_t b = 0; b < external.size(); ++b) {  // Bullet clears them after the step
     if (!parts_[b].rigid) continue;
     parts_[b].rigid->applyCentralForce(to_bt(external[b].force));
@@ -277,7 +275,7 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
   int diverged = -1;
   double most = spin * spin;
   for (const int b : movers_) {
-    const btRigidBody& body = *parts_[at(b)].rigid;
+    const btRigidBody& body = *parts_[b].rigid;
     const double turning = body.getAngularVelocity().length2();
     most = std::max(most, turning);
     // Written so that a NaN fails.
@@ -287,7 +285,7 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
     if (!fine && diverged < 0) diverged = b;
   }
   if (diverged >= 0) {
-    for (const int b : movers_) set_motion(*parts_[at(b)].rigid, before_[at(b)]);
+    for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
     forget_contacts();
     return diverged;
   }
@@ -303,15 +301,15 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
 }
 
 Pose Engine::pose(int body) const {
-  const Part& part = parts_[at(body)];
-  if (!moves(model_->bodies[at(body)])) return part.place;
+  const Part& part = parts_[body];
+  if (!moves(model_->bodies[body])) return part.place;
   const btTransform& X = part.rigid->getWorldTransform();
   return part.centred ? from_bt(X) : from_bt(X) * part.X_BG.inverse();
 }
 
 Twist Engine::twist(int body) const {
-  const Part& part = parts_[at(body)];
-  if (!moves(model_->bodies[at(body)])) return {};
+  const Part& part = parts_[body];
+  if (!moves(model_->bodies[body])) return {};
   Twist out{from_bt(part.rigid->getLinearVelocity()), from_bt(part.rigid->getAngularVelocity())};
   if (!part.centred) out.linear = out.at(pose(body).q * -part.X_BG.p);
   return out;
@@ -344,7 +342,7 @@ void Engine::set_state(const WorldState& state) {
 }
 
 btTransform Engine::start_of(int body) const {
-  return body == kWorld ? btTransform::getIdentity() : before_[at(body)].X;
+  return body == kWorld ? btTransform::getIdentity() : before_[body].X;
 }
 
 void Engine::sum_rows() const {
@@ -363,7 +361,7 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
   joints.assign(at(model_->joint_speeds), 0.0);
   motors.assign(model_->motors.size(), 0.0);
   for (const auto& constraint : joints_) {
-    const Joint& joint = model_->joints[at(constraint->joint())];
+    const Joint& joint = model_->joints[constraint->joint()];
     constraint->get_efforts(start_of(joint.parent), start_of(joint.child),
                             joints.data() + joint.speed_offset, motors);
   }

@@ -91,9 +91,8 @@ std::shared_ptr<const Memory> Engine::save() const {
     for (const btPersistentManifold* manifold : manifolds_of(pairs[i])) {
       place[manifold] = {i, static_cast<int>(pair.manifolds.size())};
       auto& points = pair.manifolds.emplace_back();
-      for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      for (int k = 0; k < manifold->getNumContacts(); ++k)
         points.push_back(manifold->getContactPoint(k));
-      }
     }
     out->pairs.push_back(std::move(pair));
   }
@@ -133,9 +132,8 @@ void Engine::restore_contacts(const FullMemory& memory, const std::vector<char>&
   std::vector<std::vector<btPersistentManifold*>> manifolds(memory.pairs.size());
   for (std::size_t i = 0; i < memory.pairs.size(); ++i) {
     const FullMemory::Pair& saved = memory.pairs[i];
-    if (!stays[at(saved.a)] || !stays[at(saved.b)]) continue;
-    btBroadphaseProxy &a = proxy_of(*parts_[at(saved.a)].rigid),
-                      &b = proxy_of(*parts_[at(saved.b)].rigid);
+    if (!stays[saved.a] || !stays[saved.b]) continue;
+    btBroadphaseProxy &a = proxy_of(*parts_[saved.a].rigid), &b = proxy_of(*parts_[saved.b].rigid);
     btBroadphasePair* pair = cache.findPair(&a, &b);
     if (!pair) pair = cache.addOverlappingPair(&a, &b);
     if (!pair || !saved.looked_at) continue;
@@ -150,14 +148,14 @@ void Engine::restore_contacts(const FullMemory& memory, const std::vector<char>&
   auto& order = static_cast<btCollisionDispatcher&>(*dispatcher_).*OpenDispatcher::manifolds();
   std::vector<btPersistentManifold*> sorted;
   for (const auto& [pair, number] : memory.manifold_order) {
-    if (at(number) < manifolds[at(pair)].size()) sorted.push_back(manifolds[at(pair)][at(number)]);
+    if (at(number) < manifolds[pair].size()) sorted.push_back(manifolds[pair][number]);
   }
   const std::set<btPersistentManifold*> known(sorted.begin(), sorted.end());
   for (btPersistentManifold* manifold : listed(order)) {
     if (known.count(manifold) == 0) sorted.push_back(manifold);
   }
   for (int i = 0; i < order.size(); ++i) {
-    order[i] = sorted[at(i)];
+    order[i] = sorted[i];
     order[i]->m_index1a = i;
   }
 }
@@ -171,9 +169,8 @@ void Engine::restore(const Memory& saved) {
     restore_broadphase(memory);
   }
   std::vector<char> stays;
-  for (std::size_t b = 0; b < memory.now.size(); ++b) {
+  for (std::size_t b = 0; b < memory.now.size(); ++b)
     stays.push_back(parts_[b].rigid && model_->bodies[b].kind == memory.model->bodies[b].kind);
-  }
   restore_contacts(memory, stays);
   for (std::size_t b = 0; b < stays.size(); ++b) {
     if (!stays[b]) continue;

@@ -36,41 +36,13 @@ class Maker {
 
   /// One leaf; X_BS moves where Bullet centres a shape elsewhere.
   Result<btCollisionShape*> leaf(const Shape& shape, Pose& X_BS) {
-    std::unique_ptr<btCollisionShape> made;
-    switch (shape.type) {
-      case ShapeType::box:
-        made = std::make_unique<btBoxShape>(to_bt(0.5 * shape.size));
-        break;
-      case ShapeType::sphere:
-        made = std::make_unique<btSphereShape>(shape.radius);
-        break;
-      case ShapeType::cylinder:
-        made = std::make_unique<btCylinderShapeZ>(
-            btVector3(shape.radius, shape.radius, 0.5 * shape.length));
-        break;
-      case ShapeType::capsule:
-        made = std::make_unique<btCapsuleShapeZ>(shape.radius, shape.length);
-        break;
-      case ShapeType::plane:
-        made = std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
-        break;
-      case ShapeType::convex_mesh:
-        made = hull(*model_.meshes[at(shape.mesh)]);
-        break;
-      case ShapeType::mesh:
-        made = surface(*model_.meshes[at(shape.mesh)]);
-        break;
-      case ShapeType::heightmap:
-        made = terrain(*model_.heightmaps[at(shape.heightmap)], X_BS);
-        break;
-    }
+    auto made = make(shape, X_BS);
     if (!made) {
       return fail("shape '" + shape.name + "': its mesh has no triangles, or spans no volume",
                   source_position(model_, shape.origin));
     }
-    if (margin_ > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder)) {
+    if (margin_ > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder))
       made->setMargin(margin_);
-    }
     made->setUserIndex(static_cast<int>(&shape - body_.shapes.data()));
     made->setUserIndex2(shape.material);
     return keep(std::move(made));
@@ -82,6 +54,29 @@ class Maker {
   }
 
  private:
+  std::unique_ptr<btCollisionShape> make(const Shape& shape, Pose& X_BS) {
+    const double r = shape.radius;
+    switch (shape.type) {
+      case ShapeType::box:
+        return std::make_unique<btBoxShape>(to_bt(0.5 * shape.size));
+      case ShapeType::sphere:
+        return std::make_unique<btSphereShape>(r);
+      case ShapeType::cylinder:
+        return std::make_unique<btCylinderShapeZ>(btVector3(r, r, 0.5 * shape.length));
+      case ShapeType::capsule:
+        return std::make_unique<btCapsuleShapeZ>(r, shape.length);
+      case ShapeType::plane:
+        return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
+      case ShapeType::convex_mesh:
+        return hull(*model_.meshes[shape.mesh]);
+      case ShapeType::mesh:
+        return surface(model_.meshes[shape.mesh]);
+      case ShapeType::heightmap:
+        return terrain(model_.heightmaps[shape.heightmap], X_BS);
+    }
+    return nullptr;
+  }
+
   /// The hull shrunk by the margin that Bullet adds again, so that it keeps its size.
   std::unique_ptr<btCollisionShape> hull(const TriangleMesh& mesh) const {
     if (mesh.vertices.size() < 4) return nullptr;
@@ -98,41 +93,32 @@ class Maker {
                                            static_cast<int>(mesh.vertices.size()), margin, 0.25);
     if (computer.vertices.size() < 4 || shrunk < 0.0) return nullptr;
     auto shape = std::make_unique<btConvexHullShape>();
-    for (int i = 0; i < computer.vertices.size(); ++i) {
-      shape->addPoint(computer.vertices[i], false);
-    }
+    for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(computer.vertices[i], false);
     shape->recalcLocalAabb();
     shape->setMargin(shrunk);
     return shape;
   }
 
-  std::unique_ptr<btCollisionShape> surface(const TriangleMesh& mesh) {
-    if (mesh.triangles.empty()) return nullptr;
-    const std::size_t first_number = out_.numbers.size(), first_index = out_.indices.size();
-    for (const Vec3& v : mesh.vertices) {
-      out_.numbers.insert(out_.numbers.end(), {v.x(), v.y(), v.z()});
-    }
-    for (const auto& t : mesh.triangles) {
-      out_.indices.insert(out_.indices.end(), {t[0], t[1], t[2]});
-    }
+  std::unique_ptr<btCollisionShape> surface(const MeshPtr& mesh) {
+    if (mesh->triangles.empty()) return nullptr;
+    out_.data.push_back(mesh);
     auto triangles = std::make_unique<btTriangleIndexVertexArray>(
-        static_cast<int>(mesh.triangles.size()), out_.indices.data() + first_index,
-        int{3 * sizeof(int)}, static_cast<int>(mesh.vertices.size()),
-        out_.numbers.data() + first_number, int{3 * sizeof(double)});
+        static_cast<int>(mesh->triangles.size()), const_cast<int*>(mesh->triangles.front().data()),
+        int{3 * sizeof(int)}, static_cast<int>(mesh->vertices.size()),
+        const_cast<double*>(mesh->vertices.front().data()), int{3 * sizeof(double)});
     auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
     out_.triangles.push_back(std::move(triangles));
     return shape;
   }
 
   /// Bullet centres the field between its lowest and highest point.
-  std::unique_ptr<btCollisionShape> terrain(const HeightGrid& grid, Pose& X_BS) {
-    const std::size_t first = out_.numbers.size();
-    out_.numbers.insert(out_.numbers.end(), grid.heights.begin(), grid.heights.end());
-    const auto [low, high] = std::minmax_element(grid.heights.begin(), grid.heights.end());
+  std::unique_ptr<btCollisionShape> terrain(const HeightGridPtr& grid, Pose& X_BS) {
+    out_.data.push_back(grid);
+    const auto [low, high] = std::minmax_element(grid->heights.begin(), grid->heights.end());
     auto shape = std::make_unique<btHeightfieldTerrainShape>(
-        grid.columns, grid.rows, out_.numbers.data() + first, *low, *high, 2, true);
+        grid->columns, grid->rows, grid->heights.data(), *low, *high, 2, true);
     shape->setLocalScaling(
-        btVector3(grid.size_x / (grid.columns - 1), grid.size_y / (grid.rows - 1), 1));
+        btVector3(grid->size_x / (grid->columns - 1), grid->size_y / (grid->rows - 1), 1));
     X_BS = X_BS * Pose(Vec3(0, 0, 0.5 * (*low + *high)), Quat(1, 0, 0, 0));
     return shape;
   }
@@ -145,9 +131,8 @@ class Maker {
 
 /// The leaf of ours that a wrapper stands for: triangles of a mesh are made on the way.
 const btCollisionShape* leaf_of(const btCollisionObjectWrapper* wrapper) {
-  while (wrapper->getCollisionShape()->getUserIndex() < 0 && wrapper->m_parent) {
+  while (wrapper->getCollisionShape()->getUserIndex() < 0 && wrapper->m_parent)
     wrapper = wrapper->m_parent;
-  }
   return wrapper->getCollisionShape();
 }
 
@@ -212,9 +197,7 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
                                                    double margin, Pose& X_BG) {
   auto out = std::make_unique<BodyShape>();
   Maker maker(model, body, margin, *out);
-  // Bullet's shapes keep pointers into these.
-  std::size_t numbers = 0, indices = 0;
-  std::vector<const Shape*> shapes;
+  std::vector<std::pair<Pose, btCollisionShape*>> leaves;
   for (const Shape& shape : body.shapes) {
     if (!shape.collides) continue;
     if (is_surface(shape.type) && body.kind == BodyKind::dynamic) {
@@ -223,26 +206,15 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
                   source_position(model, shape.origin),
                   "make the body static or kinematic, or use a convex-mesh");
     }
-    if (shape.mesh >= 0) {
-      numbers += 3 * model.meshes[at(shape.mesh)]->vertices.size();
-      indices += 3 * model.meshes[at(shape.mesh)]->triangles.size();
-    }
-    if (shape.heightmap >= 0) numbers += model.heightmaps[at(shape.heightmap)]->heights.size();
-    shapes.push_back(&shape);
-  }
-  out->numbers.reserve(numbers);
-  out->indices.reserve(indices);
-  out->collides = !shapes.empty();
-  if (shapes.empty()) {
-    out->shape = maker.keep(std::make_unique<btEmptyShape>());
-    return out;
-  }
-  std::vector<std::pair<Pose, btCollisionShape*>> leaves;
-  for (const Shape* shape : shapes) {
-    Pose X_BS = shape->X_BS;
-    const auto made = maker.leaf(*shape, X_BS);
+    Pose X_BS = shape.X_BS;
+    const auto made = maker.leaf(shape, X_BS);
     if (!made) return tl::unexpected<Error>(made.error());
     leaves.emplace_back(X_BS, *made);
+  }
+  out->collides = !leaves.empty();
+  if (leaves.empty()) {
+    out->shape = maker.keep(std::make_unique<btEmptyShape>());
+    return out;
   }
   const auto same = [](const Pose& a, const Pose& b) {
     return a.p == b.p && a.q.coeffs() == b.q.coeffs();
@@ -254,9 +226,8 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
   }
   const bool centred = same(X_BG, Pose());
   auto compound = std::make_unique<btCompoundShape>();
-  for (const auto& [X_BS, leaf] : leaves) {
+  for (const auto& [X_BS, leaf] : leaves)
     compound->addChildShape(to_bt(centred ? X_BS : X_BG.inverse() * X_BS), leaf);
-  }
   out->shape = maker.keep(std::move(compound));
   return out;
 }
@@ -268,9 +239,8 @@ Surfaces::Surfaces(const SceneModelPtr& model) : model_(model), count_(model->ma
         velocities_.resize(model->bodies.size());
   if (count_ > kLargestTable) return;
   for (std::size_t a = 0; a < count_; ++a) {
-    for (std::size_t b = 0; b < count_; ++b) {
+    for (std::size_t b = 0; b < count_; ++b)
       table_.push_back(surface_pair(*model, static_cast<int>(a), static_cast<int>(b)));
-    }
   }
 }
 
@@ -281,12 +251,12 @@ SurfacePair Surfaces::pair(int material_a, int material_b) const {
 
 void Surfaces::set_frame(int body, const Pose& X_BG) {
   if (!any_moves()) return;
-  for (const Shape& shape : model_->bodies[at(body)].shapes)
-    velocities_[at(body)].push_back(
+  for (const Shape& shape : model_->bodies[body].shapes)
+    velocities_[body].push_back(
         to_bt(Vec3(X_BG.q.inverse() * (shape.X_BS.q * shape.surface_velocity))));
 }
 
-btVector3 Surfaces::velocity(int body, int shape) const { return velocities_[at(body)][at(shape)]; }
+btVector3 Surfaces::velocity(int body, int shape) const { return velocities_[body][shape]; }
 
 void Surfaces::install() {
   gContactAddedCallback = &set_surface;

@@ -16,8 +16,7 @@ namespace cogrsim::bullet {
 
 /// All that a collision object points to. `shape` is the one shape, or a compound of several.
 struct BodyShape {
-  std::vector<double> numbers;
-  std::vector<int> indices;
+  std::vector<std::shared_ptr<const void>> data;  // that shapes point into
   std::vector<std::unique_ptr<btStridingMeshInterface>> triangles;
   std::vector<std::unique_ptr<btCollisionShape>> parts;
   btCollisionShape* shape = nullptr;

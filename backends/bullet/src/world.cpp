@@ -59,9 +59,8 @@ void BulletWorld::start(std::unique_ptr<Engine> engine) {
   engine_ = std::move(engine);
   time_ = 0.0;
   twists_.clear();
-  for (const Body& body : initial_->bodies) {
+  for (const Body& body : initial_->bodies)
     twists_.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
-  }
   gone_ = initial_state(*initial_);
   forget_report();
 }
@@ -71,7 +70,7 @@ StepResult BulletWorld::step(double dt, const std::vector<Drive>& drives) {
   out.body = engine_->step(dt, drives, twists_, external_);
   if (out.body >= 0) {
     out.status = StepStatus::diverged;
-    out.message = "body '" + model()->bodies[at(out.body)].name +
+    out.message = "body '" + model()->bodies[out.body].name +
                   "' left all bounds (1000 km, 100 km/s) in Bullet";
     forget_report();
     return out;
@@ -152,11 +151,11 @@ Result<> BulletWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   if (auto fine = check_scene(*next); !fine) return fine;
   WorldState state;
   get_state(state);
-  const auto pose = [&](int body) { return body == kWorld ? Pose() : state.poses[at(body)]; };
+  const auto pose = [&](int body) { return body == kWorld ? Pose() : state.poses[body]; };
   if (auto fits = check_attachments(*next, *change, pose); !fits) return fits;
   // Where the next scene begins: all that is there, where it is.
   WorldState begin = extended_state(*next, state);
-  for (const int b : change->kinds) begin.twists[at(b)] = Twist();  // it stops, or starts at rest
+  for (const int b : change->kinds) begin.twists[b] = Twist();  // it stops, or starts at rest
   StepReport kept = report();
   auto engine = Engine::create(next, options_, begin);
   if (!engine) return tl::unexpected<Error>(engine.error());
@@ -186,9 +185,8 @@ SnapshotPtr BulletWorld::save() const {
 Result<> BulletWorld::restore(const SnapshotPtr& snapshot) {
   const auto* const saved = dynamic_cast<const Snapshot*>(snapshot.get());
   if (!saved) return fail("the snapshot is not of a world of the bullet backend");
-  if (!same_names(*saved->initial, *initial_)) {
+  if (!same_names(*saved->initial, *initial_))
     return fail("the snapshot is of another scene than '" + initial_->name + "'");
-  }
   auto engine =
       Engine::create(saved->memory->model, options_, initial_state(*saved->memory->model));
   if (!engine) return tl::unexpected<Error>(engine.error());
@@ -210,7 +208,7 @@ Result<> BulletWorld::reset() {
 
 Result<> BulletWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*model(), body, twist); !fine) return fine;
-  twists_[at(body)] = twist;
+  twists_[body] = twist;
   return {};
 }
 

@@ -485,9 +485,8 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   for (int sweep = 1; sweep <= sweeps; ++sweep) {
     const bool backwards = sweep % 2 == 0;
     double change = 0.0;
-    for (std::size_t i = 0; i < gaps_.size(); ++i) {
+    for (std::size_t i = 0; i < gaps_.size(); ++i)
       change = std::max(change, relax_gap(gaps_[backwards ? gaps_.size() - 1 - i : i]));
-    }
     if (change < tolerance) {
       warm_start_scale = 1.0;
       break;

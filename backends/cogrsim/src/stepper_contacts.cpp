@@ -151,9 +151,8 @@ void Stepper::share_warm_friction(std::size_t begin, std::size_t last) {
       friction[k] = impulse - loads[k] * leader.normal;
     }
     share_friction(count, leader.normal, loads.data(), points.data(), friction.data());
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < count; ++k)
       warm_[first + k] = loads[k] * leader.normal + friction[k];
-    }
   }
 }
 

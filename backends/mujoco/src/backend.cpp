@@ -16,17 +16,11 @@ Capabilities make_capabilities() {
       "soft contact: rests in penetration, slides slowly under friction that should hold, bounces "
       "approximately; one point where flat sides of cylinders and meshes meet anything but planes "
       "(multiccd: several)";
-  for (const ShapeType a : kShapeTypes) {
-    for (const ShapeType b : kShapeTypes) {
-      if (is_surface(a) && is_surface(b)) continue;
-      if (a == ShapeType::mesh || b == ShapeType::mesh) {
-        out.set(pair_feature(a, b), Support::unsupported,
-                "MuJoCo has meshes as their convex hulls only; use convex meshes");
-      } else {
-        out.set(pair_feature(a, b), Support::approximate, soft);
-      }
-    }
-  }
+  set_pair_notes(out, [&](ShapeType, ShapeType) { return soft; });
+  for (const ShapeType other : kShapeTypes)
+    if (!is_surface(other))
+      out.set(pair_feature(ShapeType::mesh, other), Support::unsupported,
+              "MuJoCo has meshes as their convex hulls only; use convex meshes");
   out.set("shape.convex-mesh", Support::approximate, "MuJoCo stores its corners as floats");
   out.set("shape.heightmap", Support::approximate, "MuJoCo stores its heights as floats");
   set_joint_features(out);
@@ -51,9 +45,8 @@ Capabilities make_capabilities() {
           "its travel is tied to its angle by a soft constraint, see solrefequality");
   out.set("joint.coupling", Support::approximate,
           "a soft constraint, see solrefequality; its effort is not reported");
-  for (const char* loop : {"loop.hinge", "loop.ball", "loop.fixed"}) {
+  for (const char* loop : {"loop.hinge", "loop.ball", "loop.fixed"})
     out.set(loop, Support::approximate, "held by a soft constraint, see solrefequality");
-  }
   for (const char* mode : {"velocity", "position", "servo", "dc"}) {
     out.set(
         std::string("motor.") + mode, Support::approximate,
@@ -67,12 +60,10 @@ Capabilities make_capabilities() {
   for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
     out.set(feature, Support::approximate,
             "one pyramid with sliding; slides slowly, as friction does");
-  for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-        "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
-        "report.contact_force", "report.joint_effort"}) {
-    out.set(feature, Support::exact);
-  }
+  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
+               "report.contact_force", "report.joint_effort"},
+              Support::exact);
   out.set(
       "runtime.attach", Support::approximate,
       "by a plain hinge, ball or fixed joint: a soft constraint, see solrefequality, that stops "

@@ -41,9 +41,8 @@ Result<ModelOwner> compile(const std::string& mjcf) {
 
 Result<DataOwner> make_data(const mjModel& model) {
   mjData* data = nullptr;
-  if (auto made = guarded([&] { data = mj_makeData(&model); }); !made) {
+  if (auto made = guarded([&] { data = mj_makeData(&model); }); !made)
     return tl::unexpected(made.error());
-  }
   if (!data) {
     return fail("MuJoCo counts the bytes of its matrices in 31 bits, and this scene has " +
                 std::to_string(model.nv) + " degrees of freedom and " +

@@ -141,9 +141,8 @@ void Writer::grow_trees() {
     }
   };
   reached[size()] = 1;
-  for (std::size_t b = 0; b < size(); ++b) {
+  for (std::size_t b = 0; b < size(); ++b)
     reached[b] = scene_.bodies[b].removed || grounded(static_cast<int>(b));
-  }
   spread(kWorld);
   for (std::size_t b = 0; b < size(); ++b) {
     if (!scene_.bodies[b].removed && grounded(static_cast<int>(b))) spread(static_cast<int>(b));
@@ -155,7 +154,7 @@ void Writer::grow_trees() {
   }
   for (std::size_t b = 0; b < size(); ++b) {
     if (tree_[b] < 0) continue;
-    if (above_[b] != kWorld) children_[at(above_[b])].push_back(static_cast<int>(b));
+    if (above_[b] != kWorld) children_[above_[b]].push_back(static_cast<int>(b));
     TreeJoint& place = out_.joints[tree_[b]];
     place.body = 0;  // known when it is compiled
     place.reversed = joint(tree_[b]).parent == static_cast<int>(b);
@@ -415,17 +414,16 @@ void Writer::write_equality(int j) {
 
 // A tendon whose length is that of the joint less ratio times that of the others, held at the offset.
 void Writer::write_couplings() {
-  const auto at = [](int joint) { return static_cast<std::size_t>(joint); };
   for (std::size_t k = 0; k < scene_.couplings.size(); ++k) {
     const Coupling& it = scene_.couplings[k];
     std::vector<CouplingTerm> terms{{it.joint, -1.0}};
     terms.insert(terms.end(), it.terms.begin(), it.terms.end());
-    const auto held = [&](const CouplingTerm& t) { return out_.joints[at(t.joint)].body >= 0; };
+    const auto held = [&](const CouplingTerm& t) { return out_.joints[t.joint].body >= 0; };
     if (it.removed || !std::all_of(terms.begin(), terms.end(), held)) continue;
     double length = -it.offset;  // that it has in the reference, which MuJoCo takes off
     tendons_ += fmt::format("<fixed name=\"t{}\">", k);
     for (const CouplingTerm& t : terms) {
-      length -= t.ratio * out_.references[at(t.joint)].q[0];
+      length -= t.ratio * out_.references[t.joint].q[0];
       tendons_ += fmt::format("<joint joint=\"j{}_0\" coef=\"{}\"/>", t.joint, -t.ratio);
     }
     tendons_ += "</fixed>\n";
@@ -465,9 +463,8 @@ Result<std::string> Writer::write() {
     if (it.removed) continue;
     out_.other_weights = out_.other_weights || it.gravity_scale != 1.0;
     if (above_[b] != kWorld) continue;
-    if (auto written = write_body(static_cast<int>(b)); !written) {
+    if (auto written = write_body(static_cast<int>(b)); !written)
       return tl::unexpected(written.error());
-    }
     if (it.kind == BodyKind::kinematic) out_.kinematic.push_back(static_cast<int>(b));
   }
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {

@@ -90,9 +90,8 @@ Result<Options> read_options(const SceneModel& model) {
                       "dampratio) or both not positive (-stiffness, -damping)",
                   place);
     }
-    if (std::get<Numbers>(options->at("solimp" + about)).size() != 5) {
+    if (std::get<Numbers>(options->at("solimp" + about)).size() != 5)
       return fail("'solimp" + about + "' must be five numbers", place);
-    }
   }
   Options out;
   out.option =

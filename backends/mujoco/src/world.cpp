@@ -153,9 +153,7 @@ double MujocoWorld::response_of(int dof) const {
   for (int k = dof; k >= 0; k = m.dof_parentid[k]) {
     const double y_k = y[k];
     const double* entry = data_->qLD + m.dof_Madr[k];
-    for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) {
-      y[j] -= *++entry * y_k;
-    }
+    for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) y[j] -= *++entry * y_k;
     response += y_k * y_k * data_->qLDiagInv[k];
   }
   return response;
@@ -214,9 +212,8 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
     const bool full = found[mjWARN_CONTACTFULL].number + found[mjWARN_CNSTRFULL].number > 0;
     if (done && !full) break;
     if (!done) data_->pstack = 0;
-    if (!done && done.error().message != "MuJoCo: Stack overflow") {
+    if (!done && done.error().message != "MuJoCo: Stack overflow")
       return diverged(-1, done.error().message);
-    }
     // Its memory was too small: the step is undone, and repeated with more.
     const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
     if (!made) return diverged(-1, made.error().message);
@@ -248,19 +245,16 @@ int MujocoWorld::find_bad() const {
   const mjModel& m = *model_;
   const mjData& d = *data_;
   const auto owner = [&](int body) { return program_->owners[body]; };
-  if (const auto& found = d.warning[mjWARN_BADCTRL]; found.number > 0) {
+  if (const auto& found = d.warning[mjWARN_BADCTRL]; found.number > 0)
     return owner(m.jnt_bodyid[m.actuator_trnid[2 * found.lastinfo]]);
-  }
-  if (const auto& found = d.warning[mjWARN_BADQACC]; found.number > 0) {
+  if (const auto& found = d.warning[mjWARN_BADQACC]; found.number > 0)
     return owner(m.dof_bodyid[found.lastinfo]);
-  }
   for (int j = 0; j < m.njnt; ++j) {
     const bool last = j + 1 == m.njnt;
     const double* const q_end = d.qpos + (last ? m.nq : m.jnt_qposadr[j + 1]);
     const double* const u_end = d.qvel + (last ? m.nv : m.jnt_dofadr[j + 1]);
-    if (any_bad(d.qpos + m.jnt_qposadr[j], q_end) || any_bad(d.qvel + m.jnt_dofadr[j], u_end)) {
+    if (any_bad(d.qpos + m.jnt_qposadr[j], q_end) || any_bad(d.qvel + m.jnt_dofadr[j], u_end))
       return owner(m.jnt_bodyid[j]);
-    }
   }
   return -1;
 }

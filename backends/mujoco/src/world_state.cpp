@@ -207,9 +207,7 @@ void MujocoWorld::read_efforts(WorldState& out) const {
     effort[m.nv + row] = d.efc_force[row];
   }
   mj_mulJacTVec(&m, data_.get(), effort.data(), effort.data() + m.nv);
-  for (int i = 0; i < m.nv; ++i) {
-    effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i];
-  }
+  for (int i = 0; i < m.nv; ++i) effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i];
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
     const TreeJoint& place = program_->joints[j];
@@ -225,9 +223,8 @@ void MujocoWorld::read_efforts(WorldState& out) const {
       std::copy_n(in_F.data(), 3, to);
       continue;
     }
-    for (int i = 0; i < speed_count(joint.type); ++i) {
+    for (int i = 0; i < speed_count(joint.type); ++i)
       to[i] = effort[dof + static_cast<std::size_t>(place.axis[i])];
-    }
     if (joint.type == JointType::screw) to[0] += joint.pitch / (2.0 * kPi) * effort[dof + 1];
   }
 }

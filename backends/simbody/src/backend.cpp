@@ -16,14 +16,10 @@ namespace {
 Capabilities make_capabilities() {
   Capabilities out;
   set_shape_features(out);
-  for (const ShapeType a : kShapeTypes) {
-    for (const ShapeType b : kShapeTypes) {
-      if (is_surface(a) && is_surface(b)) continue;
-      out.set(pair_feature(a, b), Support::approximate,
-              "compliant: 1 kg penetrates by 0.06 mm or less, bodies creep at up to 1 cm/s under "
-              "friction that should hold (transition-velocity)");
-    }
-  }
+  set_pair_notes(out, [](ShapeType, ShapeType) {
+    return "compliant: 1 kg penetrates by 0.06 mm or less, bodies creep at up to 1 cm/s under "
+           "friction that should hold (transition-velocity)";
+  });
   set_joint_features(out);
   for (const JointType type : kJointTypes) {
     if (type == JointType::fixed || type == JointType::free) continue;
@@ -41,14 +37,12 @@ Capabilities make_capabilities() {
     out.set(std::string("motor.") + to_string(mode), Support::approximate,
             "its effort is found at the start of a step and constant over it");
   out.set("motor.torque", Support::exact);
-  for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "contact.stiffness",
-        "runtime.add", "runtime.remove", "runtime.set_state", "runtime.attach", "runtime.body_kind",
-        "runtime.joint_axes"})
-    out.set(feature, Support::exact);
-  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
-    out.set(feature, Support::approximate,
-            "turns at up to 0.01 rad/s under loads that it should hold (transition-velocity)");
+  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force",
+               "contact.stiffness", "runtime.add", "runtime.remove", "runtime.set_state",
+               "runtime.attach", "runtime.body_kind", "runtime.joint_axes"},
+              Support::exact);
+  out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
+              "turns at up to 0.01 rad/s under loads that it should hold (transition-velocity)");
   out.set("contact.surface-velocity", Support::approximate,
           "slips by up to 1 cm/s under loads that friction should carry (transition-velocity)");
   out.set(

@@ -40,17 +40,17 @@ double GeneralContact::stiffness(const dynamics::Collider& a, const dynamics::Co
   const double given = surface(a.material, b.material).k;
   if (given > 0.0) return given;
   const auto inverse_mass = [&](int index) {
-    const Body& body = mechanism_.model().bodies[std::size_t(index)];
+    const Body& body = mechanism_.model().bodies[index];
     return body.kind == BodyKind::dynamic ? 1.0 / body.mass : 0.0;
   };
   return options_.frequency * options_.frequency / (inverse_mass(a.body) + inverse_mass(b.body));
 }
 
 SimTK::SpatialVec GeneralContact::push(const dynamics::ContactPoint& point) const {
-  const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
-  const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
+  const dynamics::Collider& a = detector_.colliders()[point.collider_a];
+  const dynamics::Collider& b = detector_.colliders()[point.collider_b];
   const Surface& between = surface(a.material, b.material);
-  const Motion &A = motions_[std::size_t(a.body)], &B = motions_[std::size_t(b.body)];
+  const Motion &A = motions_[a.body], &B = motions_[b.body];
   const SimTK::Vec3 n = to_simtk(point.normal), at = to_simtk(point.point);
   const SimTK::Vec3 v = B.V[1] + B.V[0] % (at - B.p) - A.V[1] - A.V[0] % (at - A.p);
   const double apart = SimTK::dot(v, n);
@@ -73,8 +73,7 @@ void GeneralContact::calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& contact = contacts[i];
     const SimTK::Vec3 force = to_simtk(contact.force), at = to_simtk(contact.point);
-    const Motion &A = motions_[std::size_t(contact.body_a)],
-                 &B = motions_[std::size_t(contact.body_b)];
+    const Motion &A = motions_[contact.body_a], &B = motions_[contact.body_b];
     forces[A.index] -= SimTK::SpatialVec((at - A.p) % force + torques_[i], force);
     forces[B.index] += SimTK::SpatialVec((at - B.p) % force + torques_[i], force);
   }
@@ -89,7 +88,7 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
   for (const Link& link : mechanism_.links()) {
     if (link.slave || detector_.bounding_radius(link.body) <= 0.0) continue;
     const SimTK::Transform& X = link.mobod.getBodyTransform(state);
-    Motion& motion = motions_[std::size_t(link.body)];
+    Motion& motion = motions_[link.body];
     motion = {X.p(), link.mobod.getBodyVelocity(state), motion.index};
     detector_.set_pose(
         link.body,
@@ -100,8 +99,8 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
   contacts_.clear();
   torques_.clear();
   for (const dynamics::ContactPoint& point : points_) {
-    const dynamics::Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
-    const dynamics::Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
+    const dynamics::Collider& a = detector_.colliders()[point.collider_a];
+    const dynamics::Collider& b = detector_.colliders()[point.collider_b];
     const SimTK::SpatialVec wrench = push(point);
     torques_.push_back(wrench[0]);
     contacts_.push_back({a.body, b.body, a.shape, b.shape, point.point, point.normal, -point.gap,

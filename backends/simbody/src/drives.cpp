@@ -33,16 +33,16 @@ Drives::Drives(Mechanism& mechanism) : mechanism_(mechanism) {
 void Drives::add(Mechanism& mechanism, int joint, int axis, int motor, double friction) {
   const int index = mechanism.joint_link(joint);
   if (index < 0) return;
-  const Link& link = mechanism.links()[std::size_t(index)];
+  const Link& link = mechanism.links()[index];
   Axis made;
   made.motor = motor;
-  made.effort = mechanism.model().joints[std::size_t(joint)].speed_offset + axis;
-  made.q = link.q_map[std::size_t(axis)];
-  made.u = link.u_map[std::size_t(axis)];
+  made.effort = mechanism.model().joints[joint].speed_offset + axis;
+  made.q = link.q_map[axis];
+  made.u = link.u_map[axis];
   made.link = index;
   made.tree = link.tree;
   made.friction = friction;
-  made.ball = mechanism.model().joints[std::size_t(joint)].type == JointType::ball;
+  made.ball = mechanism.model().joints[joint].type == JointType::ball;
   made.force = SimTK::Force::MobilityDiscreteForce(mechanism.forces, link.mobod,
                                                    SimTK::MobilizerUIndex(made.u));
   axes_.push_back(made);
@@ -50,8 +50,8 @@ void Drives::add(Mechanism& mechanism, int joint, int axis, int motor, double fr
 
 void Drives::locate() {
   for (Axis& axis : axes_) {
-    axis.q += mechanism_.links()[std::size_t(axis.link)].q;
-    axis.u += mechanism_.links()[std::size_t(axis.link)].u;
+    axis.q += mechanism_.links()[axis.link].q;
+    axis.u += mechanism_.links()[axis.link].u;
   }
 }
 
@@ -109,7 +109,7 @@ void Drives::set(SimTK::State& state, double dt, const std::vector<Drive>& drive
       Drive law;
       law.kd = std::numeric_limits<double>::infinity();
       law.max_effort = axis.friction * share[i];
-      if (axis.motor >= 0) law = drives[std::size_t(axis.motor)];
+      if (axis.motor >= 0) law = drives[axis.motor];
       const double wanted = law.is_speed_source()
                                 ? (law.velocity - free) / (dt * own)
                                 : (law.bias + law.kp * (law.position - q[axis.q] - dt * free) +
@@ -129,8 +129,8 @@ void Drives::get_efforts(const SimTK::State& state, std::vector<double>& joints,
                          std::vector<double>& motors) const {
   for (const Axis& axis : axes_) {
     const double effort = axis.force.getMobilityForce(state);
-    joints[std::size_t(axis.effort)] += effort;
-    if (axis.motor >= 0) motors[std::size_t(axis.motor)] = effort;
+    joints[axis.effort] += effort;
+    if (axis.motor >= 0) motors[axis.motor] = effort;
   }
 }
 

@@ -74,16 +74,16 @@ void mobilize(const Joint& joint, SimTK::MobilizedBody inboard, const Pose* anch
 }  // namespace
 
 bool Mechanism::is_ground(int body) const {
-  return body == kWorld || model_->bodies[std::size_t(body)].kind == BodyKind::fixed;
+  return body == kWorld || model_->bodies[body].kind == BodyKind::fixed;
 }
 bool Mechanism::is_dynamic(int body) const {
-  return body != kWorld && model_->bodies[std::size_t(body)].kind == BodyKind::dynamic;
+  return body != kWorld && model_->bodies[body].kind == BodyKind::dynamic;
 }
 
 const SimTK::MobilizedBody& Mechanism::mobod(int body) const {
   const int link = body_link(body);
   return link < 0 ? static_cast<const SimTK::MobilizedBody&>(matter.getGround())
-                  : links_[std::size_t(link)].mobod;
+                  : links_[link].mobod;
 }
 
 Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Options& options)
@@ -97,8 +97,7 @@ Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Option
   plan();
   SimTK::Force::Gravity gravity(forces, matter, to_simtk(model_->physics.gravity));
   for (const Link& link : links_) {
-    const double scale =
-        link.kinematic ? 0.0 : model_->bodies[std::size_t(link.body)].gravity_scale;
+    const double scale = link.kinematic ? 0.0 : model_->bodies[link.body].gravity_scale;
     if (scale == 1.0) continue;
     gravity.setDefaultBodyIsExcluded(link.mobod, true);
     const SimTK::MassProperties& mass = link.mobod.getDefaultMassProperties();
@@ -113,17 +112,17 @@ void Mechanism::set_external(SimTK::State& state, const std::vector<Wrench>& giv
     if (given.empty() || link.kinematic) continue;
     const SimTK::MassProperties& mass = link.mobod.getBodyMassProperties(state);
     // A body that was cut to open a loop shares them as it shares its mass.
-    const double share = mass.getMass() / model_->bodies[std::size_t(link.body)].mass;
-    const SimTK::Vec3 force = share * to_simtk(given[std::size_t(link.body)].force);
+    const double share = mass.getMass() / model_->bodies[link.body].mass;
+    const SimTK::Vec3 force = share * to_simtk(given[link.body].force);
     const SimTK::Vec3 arm = link.mobod.getBodyRotation(state) * mass.getMassCenter();
-    const SimTK::Vec3 torque = share * to_simtk(given[std::size_t(link.body)].torque);
+    const SimTK::Vec3 torque = share * to_simtk(given[link.body].torque);
     external_.setOneBodyForce(state, link.mobod, SimTK::SpatialVec(torque + arm % force, force));
   }
 }
 
 int Mechanism::inboard(int link) const {
   // Simbody numbers bodies as they are made, the ground first.
-  const SimTK::MobilizedBody& mobod = links_[std::size_t(link)].mobod;
+  const SimTK::MobilizedBody& mobod = links_[link].mobod;
   return int(mobod.getParentMobilizedBody().getMobilizedBodyIndex()) - 1;
 }
 
@@ -138,7 +137,7 @@ void Mechanism::plan() {
   std::vector<int> root(model_->bodies.size() + 1);  // the last: all that no force moves
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
-    while (root[std::size_t(i)] != i) i = root[std::size_t(i)];
+    while (root[i] != i) i = root[i];
     return i;
   };
   for (const Joint& joint : model_->joints) {
@@ -146,10 +145,10 @@ void Mechanism::plan() {
     const int a = find(is_dynamic(joint.parent) ? joint.parent : count);
     const int b = find(is_dynamic(joint.child) ? joint.child : count);
     const bool held = a == count || b == count;
-    root[std::size_t(held ? std::min(a, b) : std::max(a, b))] = held ? count : std::min(a, b);
+    root[held ? std::min(a, b) : std::max(a, b)] = held ? count : std::min(a, b);
   }
   for (int b = 0; b < count; ++b) {
-    const Body& body = model_->bodies[std::size_t(b)];
+    const Body& body = model_->bodies[b];
     if (body.removed || body.kind == BodyKind::fixed) continue;
     const bool base = body.kind == BodyKind::kinematic || find(b) == b;
     graph.addBody(body_name(b), base && body.kind == BodyKind::kinematic ? 1.0 : body.mass, base,
@@ -187,7 +186,7 @@ void Mechanism::plan() {
       link.reversed = mobilizer.isReversedFromJoint() != cut_parent(*joint);
       anchor = link.reversed ? joint->child : joint->parent;
     }
-    add_link(link, inboard ? body_links_[std::size_t(inboard - model_->bodies.data())] : -1, anchor,
+    add_link(link, inboard ? body_links_[inboard - model_->bodies.data()] : -1, anchor,
              mobilizer.getNumFragments());
   }
   weld_slaves();
@@ -196,18 +195,17 @@ void Mechanism::plan() {
 void Mechanism::weld_slaves() {
   // What fixed joints hold together already needs no weld, and Simbody has none without freedom.
   const auto held_by = [&](int i) {
-    while (i >= 0 && SimTK::MobilizedBody::Weld::isInstanceOf(links_[std::size_t(i)].mobod))
-      i = inboard(i);
+    while (i >= 0 && SimTK::MobilizedBody::Weld::isInstanceOf(links_[i].mobod)) i = inboard(i);
     return i;
   };
   for (const Link& link : links_) {
     if (!link.slave) continue;
     const int whole = body_link(link.body);
-    const int tree = link.tree, other = links_[std::size_t(whole)].tree;
+    const int tree = link.tree, other = links_[whole].tree;
     for (Link& each : links_)
       if (each.tree == std::max(tree, other)) each.tree = std::min(tree, other);
     if (held_by(whole) == held_by(int(&link - links_.data()))) continue;
-    SimTK::MobilizedBody master = links_[std::size_t(whole)].mobod, slave = link.mobod;
+    SimTK::MobilizedBody master = links_[whole].mobod, slave = link.mobod;
     SimTK::Constraint::Weld(master, slave);
     has_loops_ = true;
   }
@@ -215,13 +213,12 @@ void Mechanism::weld_slaves() {
 
 void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments) {
   using SimTK::MobilizedBody;
-  const Body& body = model_->bodies[std::size_t(link.body)];
+  const Body& body = model_->bodies[link.body];
   const SimTK::Body::Rigid rigid = rigid_body(body, 1.0 / fragments);
   const int index = int(links_.size());
   link.tree = index;
-  if (inboard_link >= 0 && !links_[std::size_t(inboard_link)].kinematic)
-    link.tree = links_[std::size_t(inboard_link)].tree;
-  if (!link.slave) body_links_[std::size_t(link.body)] = index;
+  if (inboard_link >= 0 && !links_[inboard_link].kinematic) link.tree = links_[inboard_link].tree;
+  if (!link.slave) body_links_[link.body] = index;
   if (link.joint < 0) {
     const SimTK::Vec3 at = link.kinematic ? SimTK::Vec3(0) : to_simtk(body.com);
     link.mobod = MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, at);
@@ -229,12 +226,12 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
     links_.push_back(link);
     return;
   }
-  joint_links_[std::size_t(link.joint)] = index;
-  const Joint& joint = model_->joints[std::size_t(link.joint)];
+  joint_links_[link.joint] = index;
+  const Joint& joint = model_->joints[link.joint];
   const bool on_ground = inboard_link < 0;
   const MobilizedBody inboard =
-      on_ground ? MobilizedBody(matter.Ground()) : links_[std::size_t(inboard_link)].mobod;
-  const Pose* const place = on_ground && anchor >= 0 ? &places_[std::size_t(anchor)] : nullptr;
+      on_ground ? MobilizedBody(matter.Ground()) : links_[inboard_link].mobod;
+  const Pose* const place = on_ground && anchor >= 0 ? &places_[anchor] : nullptr;
   mobilize(joint, inboard, place, rigid, link);
   add_axes(joint, link);
   links_.push_back(link);
@@ -251,8 +248,8 @@ void Mechanism::add_axes(const Joint& joint, const Link& link) {
     made.joint = link.joint;
     made.effort = joint.speed_offset + i;
     made.axis = axis;
-    const SimTK::MobilizerUIndex u(link.u_map[std::size_t(i)]);
-    const SimTK::MobilizerQIndex q(link.q_map[std::size_t(i)]);
+    const SimTK::MobilizerUIndex u(link.u_map[i]);
+    const SimTK::MobilizerQIndex q(link.q_map[i]);
     made.u = u;
     made.q = q;
     if (axis.damping > 0.0) SimTK::Force::MobilityLinearDamper(forces, link.mobod, u, axis.damping);
@@ -278,17 +275,17 @@ SimTK::State Mechanism::realize_topology() {
     link.nu = link.mobod.getNumU(state);
   }
   for (AxisForces& axis : axes_) {
-    const Link& link = links_[std::size_t(joint_link(axis.joint))];
+    const Link& link = links_[joint_link(axis.joint)];
     axis.q += link.q;
     axis.u += link.u;
   }
   set_stops(state);
   for (const Link& link : links_) {
     if (link.joint < 0) {
-      const Body& body = model_->bodies[std::size_t(link.body)];
+      const Body& body = model_->bodies[link.body];
       set_base(state, link, body.X_WB, body.V_WB);
     } else {
-      const Joint& joint = model_->joints[std::size_t(link.joint)];
+      const Joint& joint = model_->joints[link.joint];
       set_joint(state, link, joint.position.data(), joint.velocity.data());
     }
   }
@@ -315,22 +312,21 @@ void Mechanism::set_stops(SimTK::State& state) {
 Pose Mechanism::pose(const SimTK::State& state, int body) const {
   if (body == kWorld) return {};
   const int link = body_link(body);
-  if (link < 0) return places_[std::size_t(body)];
-  return from_simtk(links_[std::size_t(link)].mobod.getBodyTransform(state));
+  if (link < 0) return places_[body];
+  return from_simtk(links_[link].mobod.getBodyTransform(state));
 }
 
 Twist Mechanism::twist(const SimTK::State& state, int body) const {
   const int link = body_link(body);
   if (link < 0) return {};
-  const SimTK::SpatialVec& V = links_[std::size_t(link)].mobod.getBodyVelocity(state);
+  const SimTK::SpatialVec& V = links_[link].mobod.getBodyVelocity(state);
   return {from_simtk(V[1]), from_simtk(V[0])};
 }
 
 void Mechanism::set_base(SimTK::State& state, const Link& link, const Pose& X_WB,
                          const Twist& V_WB) const {
   SimTK::Vector &q = state.updQ(), &u = state.updU();
-  const Vec3 r =
-      link.kinematic ? Vec3::Zero() : Vec3(X_WB.q * model_->bodies[std::size_t(link.body)].com);
+  const Vec3 r = link.kinematic ? Vec3::Zero() : Vec3(X_WB.q * model_->bodies[link.body].com);
   const Vec3 p = X_WB.p + r, v = V_WB.at(r);
   q[link.q] = X_WB.q.w();
   for (int k = 0; k < 3; ++k) {
@@ -344,14 +340,14 @@ void Mechanism::set_base(SimTK::State& state, const Link& link, const Pose& X_WB
 void Mechanism::set_joint(SimTK::State& state, const Link& link, const double* q,
                           const double* u) const {
   SimTK::Vector &all_q = state.updQ(), &all_u = state.updU();
-  for (int k = 0; k < link.nq; ++k) all_q[link.q + link.q_map[std::size_t(k)]] = q[k];
-  for (int k = 0; k < link.nu; ++k) all_u[link.u + link.u_map[std::size_t(k)]] = u[k];
+  for (int k = 0; k < link.nq; ++k) all_q[link.q + link.q_map[k]] = q[k];
+  for (int k = 0; k < link.nu; ++k) all_u[link.u + link.u_map[k]] = u[k];
 }
 
 void Mechanism::get_joint(const SimTK::State& state, const Link& link, double* q, double* u) const {
   const SimTK::Vector &all_q = state.getQ(), &all_u = state.getU();
-  for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.q + link.q_map[std::size_t(k)]];
-  for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.u + link.u_map[std::size_t(k)]];
+  for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.q + link.q_map[k]];
+  for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.u + link.u_map[k]];
 }
 
 void Mechanism::set_rates(SimTK::State& state) const {

@@ -55,9 +55,9 @@ class Mechanism {
   const std::vector<Pose>& places() const { return places_; }
   const std::vector<Link>& links() const { return links_; }
   /// -1: the ground.
-  int body_link(int body) const { return body < 0 ? -1 : body_links_[std::size_t(body)]; }
+  int body_link(int body) const { return body < 0 ? -1 : body_links_[body]; }
   /// -1: holds nothing that forces move.
-  int joint_link(int joint) const { return joint_links_[std::size_t(joint)]; }
+  int joint_link(int joint) const { return joint_links_[joint]; }
   const SimTK::MobilizedBody& mobod(int body) const;
   const std::vector<AxisForces>& axes() const { return axes_; }
   bool has_loops() const { return has_loops_; }

@@ -27,7 +27,7 @@ std::unique_ptr<SimTK::ContactGeometry> geometry_of(const SceneModel& model, con
       return std::make_unique<SimTK::ContactGeometry::Brick>(to_simtk(0.5 * shape.size));
     case ShapeType::mesh:
     case ShapeType::convex_mesh: {
-      const TriangleMesh& mesh = *model.meshes[std::size_t(shape.mesh)];
+      const TriangleMesh& mesh = *model.meshes[shape.mesh];
       SimTK::Array_<SimTK::Vec3> vertices;
       SimTK::Array_<int> faces;
       for (const Vec3& v : mesh.vertices) vertices.push_back(to_simtk(v));
@@ -73,7 +73,7 @@ TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
               .joinClique(clique);
       } else if (!tracker_.hasContactTracker(a.type, b.type)) {
         const auto shape = [&](const Surface& s) {
-          const Shape& it = model.bodies[std::size_t(s.body)].shapes[std::size_t(s.shape)];
+          const Shape& it = model.bodies[s.body].shapes[s.shape];
           return std::string("the ") + to_string(it.type) + " '" + it.name + "'";
         };
         throw std::runtime_error("it has no contact tracker for " + shape(a) + " and " + shape(b) +
@@ -85,8 +85,8 @@ TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
 
 void TrackerContact::add(Mechanism& mechanism, const Options& options, int body, int index) {
   const SceneModel& model = mechanism.model();
-  const Shape& shape = model.bodies[std::size_t(body)].shapes[std::size_t(index)];
-  const Material& material = model.materials[std::size_t(shape.material)];
+  const Shape& shape = model.bodies[body].shapes[index];
+  const Material& material = model.materials[shape.material];
   Surface surface;
   surface.body = body;
   surface.shape = index;
@@ -104,7 +104,7 @@ void TrackerContact::add(Mechanism& mechanism, const Options& options, int body,
                        : dissipation_of(material.restitution, options.impact_speed);
   constexpr double kThickness = 0.01;  // [m], of meshes' elastic layer
   SimTK::Transform X = frame_of(shape);
-  if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.places()[std::size_t(body)]) * X;
+  if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.places()[body]) * X;
   surface.ordinal =
       mechanism.matter.updMobilizedBody(surface.mobod)
           .updBody()

@@ -117,36 +117,33 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     if (pushed) engine.mechanism.set_external(now, external_);
     pushed_ = !external_.empty();
     if (!engine.drives.empty()) engine.drives.set(now, dt, drives);
-    if (!engine.drives.empty() || pushed) {
-      integrator_->reinitialize(SimTK::Stage::Dynamics, false);
-    }
+    if (!engine.drives.empty() || pushed) integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     run_integrator(start + dt);
     engine.mechanism.system.realize(state(), SimTK::Stage::Velocity);
     result.body = find_diverged(state());
     if (result.body >= 0)
-      result.message = "body '" + model_->bodies[std::size_t(result.body)].name +
-                       "' left all bounds (1000 km, 1000 km/s)";
+      result.message =
+          "body '" + model_->bodies[result.body].name + "' left all bounds (1000 km, 1000 km/s)";
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
     result.message = std::string("Simbody: ") + e.what();
-    result.status = StepStatus::diverged;
   }
-  if (result.body >= 0) result.status = StepStatus::diverged;
-  if (result.status == StepStatus::diverged) {
-    if (result.body < 0 && !engine.mechanism.links().empty())
-      result.body = engine.mechanism.links().front().body;
-    stop_integrator();
-    state_.updTime() = start;
-    state_.updQ() = q;
-    state_.updU() = u;
-    next_step_ = 0.0;
-    forget_reports();
+  if (result.message.empty()) {
+    time_ += dt;
+    last_dt_ = dt;
+    stepped_ = true;
     return result;
   }
-  time_ += dt;
-  last_dt_ = dt;
-  stepped_ = true;
+  result.status = StepStatus::diverged;
+  if (result.body < 0 && !engine.mechanism.links().empty())
+    result.body = engine.mechanism.links().front().body;
+  stop_integrator();
+  state_.updTime() = start;
+  state_.updQ() = q;
+  state_.updU() = u;
+  next_step_ = 0.0;
+  forget_reports();
   return result;
 }
 
@@ -188,8 +185,8 @@ void SimbodyWorld::add_efforts(const SimTK::State& state, double h) {
     double effort = -axis.axis.damping * u[axis.u];
     if (axis.axis.stiffness > 0.0) effort -= axis.axis.stiffness * (q[axis.q] - axis.axis.rest);
     if (axis.stops) effort += stop_effort(axis, options_.stop_dissipation, q[axis.q], u[axis.u]);
-    double& last = last_efforts_[std::size_t(axis.effort)];
-    efforts_[std::size_t(axis.effort)] += 0.5 * h * (last + effort);
+    double& last = last_efforts_[axis.effort];
+    efforts_[axis.effort] += 0.5 * h * (last + effort);
     last = effort;
   }
 }
@@ -225,7 +222,7 @@ std::vector<Wrench> SimbodyWorld::find_reactions() const {
   for (std::size_t j = 0; j < out.size(); ++j) {
     const int index = m.joint_link(int(j));
     if (index < 0) continue;
-    const Link& link = m.links()[std::size_t(index)];
+    const Link& link = m.links()[index];
     const SimTK::SpatialVec& F = at_M[link.mobod.getMobilizedBodyIndex()];
     out[j] = {from_simtk(F[1]), from_simtk(F[0])};
     if (!link.reversed) continue;
@@ -243,7 +240,7 @@ Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
   stop_integrator();
   const Mechanism& m = engine_->mechanism;
-  const Link& link = m.links()[std::size_t(m.body_link(body))];
+  const Link& link = m.links()[m.body_link(body)];
   for (int k = 0; k < 3; ++k) {
     state_.updU()[link.u + k] = twist.angular[k];
     state_.updU()[link.u + 3 + k] = twist.linear[k];

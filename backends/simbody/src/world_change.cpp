@@ -15,16 +15,14 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   if (auto fine = check_parts(*next); !fine) return fine;
   WorldState before;
   get_state(before);
-  const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[std::size_t(b)]; };
+  const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[b]; };
   // What takes an impact: a joint that is suddenly there, a body that is suddenly held.
   std::vector<int> sudden;
   if (auto fits = check_attachments(*next, *change, pose); !fits) return fits;
-  for (const int j : change->attached) {
-    const Joint& joint = next->joints[std::size_t(j)];
-    sudden.insert(sudden.end(), {joint.parent, joint.child});
-  }
+  for (const int j : change->attached)
+    sudden.insert(sudden.end(), {next->joints[j].parent, next->joints[j].child});
   for (const int b : change->kinds) {
-    before.twists[std::size_t(b)] = {};
+    before.twists[b] = {};
     for (const Joint& joint : next->joints)
       if (!joint.removed && (joint.parent == b || joint.child == b))
         sudden.insert(sudden.end(), {joint.parent, joint.child});
@@ -81,7 +79,7 @@ void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_stat
       m.set_base(next, link, seen.poses[body], seen.twists[body]);
       continue;
     }
-    const Joint& joint = model_->joints[std::size_t(link.joint)];
+    const Joint& joint = model_->joints[link.joint];
     double q[7], u[6];
     std::copy_n(seen.joint_positions.data() + joint.position_offset, position_count(joint.type), q);
     read_joint(joint, seen, q, u);
@@ -99,14 +97,14 @@ void SimbodyWorld::take_impact(SimTK::State& state, const std::vector<int>& sudd
   if (state.getNU() == 0) return;
   std::vector<char> touched(m.links().size());  // by tree
   for (const int b : sudden)
-    if (m.body_link(b) >= 0) touched[std::size_t(m.links()[std::size_t(m.body_link(b))].tree)] = 1;
+    if (m.body_link(b) >= 0) touched[m.links()[m.body_link(b)].tree] = 1;
   m.system.realize(state, SimTK::Stage::Position);
   // A plastic impact: of all velocities that the joints allow those with the momentum there was,
   // M u = sum J^T (momentum), by Simbody's M and J.
   SimTK::Vector_<SimTK::SpatialVec> momenta(m.matter.getNumBodies(),
                                             SimTK::SpatialVec(SimTK::Vec3(0)));
   for (const Link& link : m.links()) {
-    const Twist& V = last_seen_.twists[std::size_t(link.body)];
+    const Twist& V = last_seen_.twists[link.body];
     const SimTK::SpatialInertia M = link.mobod.getBodySpatialInertiaInGround(state);
     momenta[link.mobod.getMobilizedBodyIndex()] =
         M * SimTK::SpatialVec(to_simtk(V.angular), to_simtk(V.linear));
@@ -116,7 +114,7 @@ void SimbodyWorld::take_impact(SimTK::State& state, const std::vector<int>& sudd
   m.matter.multiplyByMInv(state, f, u);
   const SimTK::Vector old_u = state.getU();
   for (const Link& link : m.links())
-    for (int k = 0; k < link.nu && touched[std::size_t(link.tree)] && !link.kinematic; ++k)
+    for (int k = 0; k < link.nu && touched[link.tree] && !link.kinematic; ++k)
       state.updU()[link.u + k] = u[link.u + k];
   if (!m.has_loops()) return;
   m.system.realize(state, SimTK::Stage::Velocity);

@@ -34,7 +34,7 @@ void SimbodyWorld::get_state(WorldState& out) const {
     const int link = m.joint_link(int(j));
     // Between bodies that no force moves: what their motion makes of it.
     if (link >= 0)
-      m.get_joint(now, m.links()[std::size_t(link)], q, u);
+      m.get_joint(now, m.links()[link], q, u);
     else if (!joint.removed)
       read_joint(joint, out, q, u);
   }
@@ -64,7 +64,7 @@ Result<> SimbodyWorld::set_state(const WorldState& state) {
         const Pose X(state.poses[b].p, state.poses[b].q.normalized());
         m.set_base(state_, link, X, state.twists[b]);
       } else {
-        const Joint& joint = model_->joints[std::size_t(link.joint)];
+        const Joint& joint = model_->joints[link.joint];
         m.set_joint(state_, link, state.joint_positions.data() + joint.position_offset,
                     state.joint_velocities.data() + joint.speed_offset);
       }

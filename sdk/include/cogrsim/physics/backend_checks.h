@@ -51,6 +51,15 @@ inline void set_shape_features(Capabilities& out) {
   }
 }
 
+/// Sets pair.* to approximate where `note(a, b)` is not null: how the contact of these shapes differs.
+template <class Note>
+void set_pair_notes(Capabilities& out, const Note& note) {
+  for (const ShapeType a : kShapeTypes)
+    for (const ShapeType b : kShapeTypes)
+      if (const char* text = is_surface(a) && is_surface(b) ? nullptr : note(a, b))
+        out.set(pair_feature(a, b), Support::approximate, text);
+}
+
 /// Sets joint.*, loop.* and motor.* to exact, except for limits, damping, friction and stiffness of
 /// joints without axes.
 inline void set_joint_features(Capabilities& out) {
@@ -67,9 +76,8 @@ inline void set_joint_features(Capabilities& out) {
       }
     }
   }
-  for (const MotorMode mode : kMotorModes) {
+  for (const MotorMode mode : kMotorModes)
     out.set(std::string("motor.") + to_string(mode), Support::exact);
-  }
 }
 
 /// Check for Backend::create_world() and World::add(). Errors: a motor acts on a joint without an
@@ -146,25 +154,21 @@ inline Result<> check_state(const SceneModel& model, const WorldState& state) {
   const auto finite = [](const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   };
-  if (!finite(state.joint_positions) || !finite(state.joint_velocities)) {
+  if (!finite(state.joint_positions) || !finite(state.joint_velocities))
     return fail("a joint's position or velocity is not finite");
-  }
   return {};
 }
 
 /// Check for KinematicDrive::set_kinematic_twist(). Errors: the body does not exist or is not
 /// kinematic, or the twist is not finite.
 inline Result<> check_kinematic_twist(const SceneModel& model, int body, const Twist& twist) {
-  if (body < 0 || body >= static_cast<int>(model.bodies.size())) {
+  if (body < 0 || body >= static_cast<int>(model.bodies.size()))
     return fail("there is no body " + std::to_string(body));
-  }
   const Body& moved = model.bodies[body];
-  if (moved.kind != BodyKind::kinematic || moved.removed) {
+  if (moved.kind != BodyKind::kinematic || moved.removed)
     return fail("body '" + moved.name + "' is not kinematic", source_position(model, moved.origin));
-  }
-  if (!twist.linear.allFinite() || !twist.angular.allFinite()) {
+  if (!twist.linear.allFinite() || !twist.angular.allFinite())
     return fail("body '" + moved.name + "': its twist is not finite");
-  }
   return {};
 }
 

@@ -1,6 +1,7 @@
 // The features of scenes that a backend supports, checked before a run.
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ struct Capability {
 class COGRSIM_API Capabilities {
  public:
   void set(const std::string& feature, Support support, std::string note = {});
+  void set_all(std::initializer_list<const char*> features, Support support,
+               const std::string& note = {}) {
+    for (const char* feature : features) set(feature, support, note);
+  }
   /// The entry of a feature; if it was never set, unsupported with the note "not known to this
   /// backend".
   Capability get(const std::string& feature) const;
