@@ -16,17 +16,17 @@
 #include <utility>
 #include <vector>
 
+#include "build/place_scatter.h"
+#include "build/resolve_names.h"
 #include "build/start.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/model/mass_properties.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/signals/signal.h"
+#include "language/vocabulary.h"
 #include "report/diagnostics.h"
 #include "syntax/element.h"
-#include "build/place_scatter.h"
 #include "values/reader.h"
-#include "build/resolve_names.h"
-#include "language/vocabulary.h"
 
 namespace cogrsim::dsl {
 
@@ -35,9 +35,6 @@ enum class Thing { door, region, owner, posed, joint, motor, sensor, controller,
 const char* describe(Thing thing);
 bool has_thing(const SceneModel& model, const std::string& name, Thing thing);
 std::vector<std::string> names_of(const SceneModel& model, Thing thing);
-
-/// An index of the model, which counts in int, for a container.
-inline std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// Of the target of a motor.
 Dimension target_dimension(const SceneModel& model, const Motor& motor);

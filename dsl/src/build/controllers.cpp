@@ -53,8 +53,7 @@ bool Builder::take_parameters(const Element& element, const ParameterTable* tabl
 }
 
 std::optional<Parameters> Builder::plugin_parameters(const Element& element, PluginKind kind,
-                                                     const std::string& plugin,
-                                                     Parameters given) {
+                                                     const std::string& plugin, Parameters given) {
   const ParameterTable* table = nullptr;
   Result<ParameterTable> found = ParameterTable{};
   if (context_.options.plugins != nullptr) {
@@ -132,9 +131,9 @@ void Builder::controller(const Element& element) {
               "wrap the robot and its controller in an <assembly>; a <supervisor> serves the "
               "whole scene");
   }
-  auto parameters = plugin_parameters(
-      element, is_supervisor ? PluginKind::supervisor : PluginKind::controller, controller.plugin,
-      std::move(given));
+  auto parameters =
+      plugin_parameters(element, is_supervisor ? PluginKind::supervisor : PluginKind::controller,
+                        controller.plugin, std::move(given));
   if (!parameters) return;
   controller.parameters = std::move(*parameters);
   if (context_.options.plugins != nullptr)

@@ -10,7 +10,7 @@ constexpr std::string_view kDcNames[] = {"kt",   "ke",          "resistance",
 }  // namespace
 
 Dimension target_dimension(const SceneModel& model, const Motor& motor) {
-  const Joint& joint = model.joints[at(motor.joint)];
+  const Joint& joint = model.joints[motor.joint];
   const bool turns = axis_turns(joint.type, motor.axis);
   switch (motor.mode) {
     case MotorMode::velocity:

@@ -299,7 +299,7 @@ void Builder::region(const Element& element) {
   region.type = ball ? RegionModel::Type::sphere : RegionModel::Type::box;
   region.body = carrier(element);
   const Pose& X_WR = note(element).X_W;
-  region.X_BR = region.body == kWorld ? X_WR : model_.bodies[at(region.body)].X_WB.inverse() * X_WR;
+  region.X_BR = region.body == kWorld ? X_WR : model_.bodies[region.body].X_WB.inverse() * X_WR;
   if (r.has("who")) {
     const auto words = r.words("who");
     if (words.failed()) return;

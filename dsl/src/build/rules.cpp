@@ -330,7 +330,7 @@ std::optional<Pose> Builder::named_pose(const Element& element, const Word& word
       note(*found.element).placing == Note::Placing::done)
     return note(*found.element).X_W;
   if (const NamedFrame* frame = find_in(model_.frames, full))
-    return frame->body == kWorld ? frame->X_BF : model_.bodies[at(frame->body)].X_WB * frame->X_BF;
+    return frame->body == kWorld ? frame->X_BF : model_.bodies[frame->body].X_WB * frame->X_BF;
   present_name(element, word, Thing::posed);
   return std::nullopt;
 }

@@ -105,7 +105,8 @@ bool Builder::hull_of_points(const Element& element, Reader& r, Shape& shape) {
   if (!points.given()) return false;
   const std::vector<double>& p = *points;
   if (p.size() % 3 != 0) {
-    fault("CG0506", element, "points", std::to_string(p.size()) + " numbers are not points of three");
+    fault("CG0506", element, "points",
+          std::to_string(p.size()) + " numbers are not points of three");
     return false;
   }
   std::vector<Vec3> corners;

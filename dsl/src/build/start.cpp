@@ -15,7 +15,7 @@ constexpr double kTurn = 1e-6;      // [rad]
 constexpr double kSpeedGap = 1e-6;  // [m/s], [rad/s]
 
 bool yields(const SceneModel& model, int body) {
-  return body != kWorld && model.bodies[at(body)].kind == BodyKind::dynamic;
+  return body != kWorld && model.bodies[body].kind == BodyKind::dynamic;
 }
 
 class Start {
@@ -44,19 +44,19 @@ class Start {
 
   const Pose& pose(int body) const {
     static const Pose kIdentity;
-    return body == kWorld ? kIdentity : model_.bodies[at(body)].X_WB;
+    return body == kWorld ? kIdentity : model_.bodies[body].X_WB;
   }
-  Twist twist(int body) const { return body == kWorld ? Twist{} : model_.bodies[at(body)].V_WB; }
+  Twist twist(int body) const { return body == kWorld ? Twist{} : model_.bodies[body].V_WB; }
 
   // Joints of the tree around each dynamic body.
   void collect() {
     const std::size_t n = model_.bodies.size();
     start_.assign(n + 1, 0);
-    for_tree([&](int, int body) { ++start_[at(body) + 1]; });
+    for_tree([&](int, int body) { ++start_[body + 1]; });
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     around_.resize(start_.back());
     std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
-    for_tree([&](int joint, int body) { around_[next[at(body)]++] = joint; });
+    for_tree([&](int joint, int body) { around_[next[body]++] = joint; });
   }
 
   template <class Use>
@@ -75,16 +75,16 @@ class Start {
     std::vector<int> open;
     const auto spread = [&](bool held) {
       for (std::size_t k = 0; k < open.size(); ++k) {
-        const std::size_t body = at(open[k]);
+        const int body = open[k];
         for (std::size_t i = start_[body]; i < start_[body + 1]; ++i) {
           const int j = around_[i];
-          if (walked[at(j)] != 0) continue;
-          walked[at(j)] = 1;
-          const Joint& joint = model_.joints[at(j)];
+          if (walked[j] != 0) continue;
+          walked[j] = 1;
+          const Joint& joint = model_.joints[j];
           const bool forward = joint.parent == open[k];
           const int other = forward ? joint.child : joint.parent;
           order_.push_back({j, forward, held});
-          placed[at(other)] = 1;
+          placed[other] = 1;
           open.push_back(other);
         }
       }
@@ -94,7 +94,7 @@ class Start {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const Joint& joint = model_.joints[j];
       if (joint.closes_loop) continue;
-      is_child[at(joint.child)] = 1;
+      is_child[joint.child] = 1;
       const bool parent_yields = yields(model_, joint.parent);
       const bool child_yields = yields(model_, joint.child);
       if (parent_yields == child_yields) continue;
@@ -102,7 +102,7 @@ class Start {
       walked[j] = 1;
       // The freedom of a free joint is that of a body without one.
       order_.push_back({static_cast<int>(j), child_yields, joint.type != JointType::free});
-      placed[at(other)] = 1;
+      placed[other] = 1;
       open.push_back(other);
       spread(joint.type != JointType::free);
     }
@@ -116,32 +116,32 @@ class Start {
   }
 
   void place(const Edge& edge) {
-    Joint& joint = model_.joints[at(edge.joint)];
+    Joint& joint = model_.joints[edge.joint];
     const int from = edge.forward ? joint.parent : joint.child;
     const int to = edge.forward ? joint.child : joint.parent;
     if (moved_.empty()) moved_.assign(model_.bodies.size(), 0);
-    const bool from_moved = yields(model_, from) && moved_[at(from)] != 0;
-    const bool turned = hints_.joint_position[at(edge.joint)] != 0;
+    const bool from_moved = yields(model_, from) && moved_[from] != 0;
+    const bool turned = hints_.joint_position[edge.joint] != 0;
     if (!from_moved && !turned) return;  // as written, to the last bit
     const Pose X_FM = turned ? joint_pose(joint, joint.position.data()) : Pose{};
-    Pose& X_W_to = model_.bodies[at(to)].X_WB;
+    Pose& X_W_to = model_.bodies[to].X_WB;
     X_W_to = edge.forward ? pose(from) * joint.X_PF * X_FM * joint.X_CM.inverse()
                           : pose(from) * joint.X_CM * X_FM.inverse() * joint.X_PF.inverse();
-    moved_[at(to)] = 1;
+    moved_[to] = 1;
   }
 
   void move(const Edge& edge) {
-    Joint& joint = model_.joints[at(edge.joint)];
+    Joint& joint = model_.joints[edge.joint];
     const int from = edge.forward ? joint.parent : joint.child;
     const int to = edge.forward ? joint.child : joint.parent;
     if (joint.position.empty()) joint.position = rest_position(joint.type);
-    if (joint.velocity.empty()) joint.velocity.assign(at(speed_count(joint.type)), 0.0);
-    const TwistSource source = hints_.body_twist[at(to)];
+    if (joint.velocity.empty()) joint.velocity.assign(speed_count(joint.type), 0.0);
+    const TwistSource source = hints_.body_twist[to];
     // An assembly's twist reaches its bodies through their joints; a body joined to the world
     // cannot get it from there, so for that body it counts as its own.
     const bool own =
         source == TwistSource::itself || (source == TwistSource::assembly && edge.held);
-    const bool driven = hints_.joint_velocity[at(edge.joint)] != 0;
+    const bool driven = hints_.joint_velocity[edge.joint] != 0;
     if (own) {
       read_velocity(edge.joint, driven);
       return;
@@ -163,18 +163,18 @@ class Start {
     Twist at_M;  // of `to`, in world axes, at M's origin
     at_M.linear = V_W_from.at(X_WM.p - pose(from).p) + sign * (X_WF.q * V_FM.linear);
     at_M.angular = V_W_from.angular + sign * (X_WF.q * V_FM.angular);
-    Twist& V_W_to = model_.bodies[at(to)].V_WB;
+    Twist& V_W_to = model_.bodies[to].V_WB;
     V_W_to.angular = at_M.angular;
     V_W_to.linear = at_M.at(pose(to).p - X_WM.p);
   }
 
   // Speeds of a joint from the twists of its bodies; reports what the joint does not allow.
   void read_velocity(int j, bool driven) {
-    Joint& joint = model_.joints[at(j)];
+    Joint& joint = model_.joints[j];
     const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
     const Twist V_FM = relative_twist(joint, pose(joint.parent), twist(joint.parent),
                                       pose(joint.child), twist(joint.child));
-    std::vector<double> u(at(speed_count(joint.type)), 0.0);
+    std::vector<double> u(speed_count(joint.type), 0.0);
     if (!u.empty()) joint_velocity(joint, X_FM, V_FM, joint.position.data(), u.data());
     if (driven) u = joint.velocity;
     const Twist allowed = joint_twist(joint, joint.position.data(), u.data());
@@ -186,10 +186,10 @@ class Start {
   }
 
   void check_loop(int j) {
-    Joint& joint = model_.joints[at(j)];
+    Joint& joint = model_.joints[j];
     const Pose X_FM = relative_pose(joint, pose(joint.parent), pose(joint.child));
-    const bool given = hints_.joint_position[at(j)] != 0;
-    std::vector<double> q(at(position_count(joint.type)), 0.0);
+    const bool given = hints_.joint_position[j] != 0;
+    std::vector<double> q(position_count(joint.type), 0.0);
     if (!q.empty()) joint_position(joint, X_FM, given ? joint.position.data() : nullptr, q.data());
     const Pose X_FM_here = joint_pose(joint, q.data());
     const double gap = (X_FM.p - X_FM_here.p).norm();
@@ -209,11 +209,11 @@ class Start {
       }
     }
     joint.position = q;
-    read_velocity(j, hints_.joint_velocity[at(j)] != 0);
+    read_velocity(j, hints_.joint_velocity[j] != 0);
   }
 
   static std::vector<double> rest_position(JointType type) {
-    std::vector<double> q(at(position_count(type)), 0.0);
+    std::vector<double> q(position_count(type), 0.0);
     if (type == JointType::ball) q[0] = 1.0;
     if (type == JointType::free) q[3] = 1.0;
     return q;

@@ -6,6 +6,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "edit/edit_scene.h"
+#include "values/roll_pitch_yaw.h"
 #include "values/value.h"
 
 namespace cogrsim::dsl {
@@ -93,27 +94,14 @@ std::string write_numbers(const std::vector<double>& values, const Notation* not
   return out;
 }
 
-using Angles = std::array<double, 3>;
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll); both solutions, the second with the pitch on the far side.
-std::array<Angles, 2> angles_of(const Quat& q) {
-  const Mat3 R = q.normalized().toRotationMatrix();
-  Angles a;
-  if (std::abs(R(2, 0)) > 1.0 - 1e-12) {
-    // Roll and yaw turn about one axis: all of it is written as yaw.
-    a = {0.0, std::copysign(kPi / 2, -R(2, 0)), std::atan2(-R(0, 1), R(1, 1))};
-    return {a, a};
-  }
-  a = {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
-       std::atan2(R(1, 0), R(0, 0))};
+/// Both solutions, the second with the pitch on the far side. Where roll and yaw turn about one axis, all
+/// of it is written as yaw.
+std::array<Vec3, 2> angles_of(const Quat& q) {
+  constexpr double kLock = 1e-6;
+  const Vec3 a = roll_pitch_yaw(q.normalized(), kLock);
+  if (std::cos(a[1]) < kLock) return {a, a};
   const auto turned = [](double angle) { return angle > 0 ? angle - kPi : angle + kPi; };
-  const Angles b = {turned(a[0]), (a[1] > 0 ? kPi : -kPi) - a[1], turned(a[2])};
-  return {a, b};
-}
-
-Quat rotation(const Angles& a) {
-  return Quat(Eigen::AngleAxisd(a[2], Vec3::UnitZ()) * Eigen::AngleAxisd(a[1], Vec3::UnitY()) *
-              Eigen::AngleAxisd(a[0], Vec3::UnitX()));
+  return {a, Vec3(turned(a[0]), (a[1] > 0 ? kPi : -kPi) - a[1], turned(a[2]))};
 }
 
 double angle_between(const Quat& a, const Quat& b) {
@@ -230,14 +218,12 @@ Result<> SceneEditor::write_rotation(EditElement& element, Quat q_RE, double tol
   }
   const auto rpy = notation_of(element, "rpy", 3);
   if (rpy && rpy->expression) return tl::unexpected(is_expression(called(element), "rpy"));
-  const Angles old = rpy ? Angles{rpy->values[0], rpy->values[1], rpy->values[2]} : Angles{};
-  if (angle_between(rotation(old), q_RE) <= tolerance) return {};
-  const auto far = [&](const Angles& a) {
-    return std::abs(a[0] - old[0]) + std::abs(a[1] - old[1]) + std::abs(a[2] - old[2]);
-  };
+  const Vec3 old = rpy ? Vec3(rpy->values[0], rpy->values[1], rpy->values[2]) : Vec3::Zero();
+  if (angle_between(from_rpy(old), q_RE) <= tolerance) return {};
+  const auto far = [&](const Vec3& a) { return (a - old).lpNorm<1>(); };
   const auto both = angles_of(q_RE);
   // Of the two equal rotations, the one closer to the written one.
-  const Angles& best = far(both[1]) < far(both[0]) - 1e-9 ? both[1] : both[0];
+  const Vec3& best = far(both[1]) < far(both[0]) - 1e-9 ? both[1] : both[0];
   EditTree::set(
       element, "rpy",
       write_numbers({best[0], best[1], best[2]}, rpy ? &*rpy : nullptr, "deg", tolerance / 3));

@@ -43,14 +43,6 @@ std::string numbers(const Vec3& v) {
   return fmt::format("{} {} {}", number(v[0]), number(v[1]), number(v[2]));
 }
 
-Vec3 roll_pitch_yaw(const Quat& q) {
-  // R = Rz(yaw) Ry(pitch) Rx(roll). At pitch = +-pi/2 only yaw -+ roll is defined; roll is 0 there.
-  const Mat3 R = q.toRotationMatrix();
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  if (std::hypot(R(0, 0), R(1, 0)) < 1e-9) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
-  return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
-}
-
 std::vector<AxisStep> axis_steps(JointType type) {
   const AxisStep turn{true, false, Vec3::UnitZ()}, slide{false, true, Vec3::UnitZ()};
   switch (type) {

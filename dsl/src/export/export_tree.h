@@ -39,8 +39,6 @@ class XmlWriter {
 /// The shortest text that reads as the same number; -0 and rounding beside 0 become 0.
 std::string number(double value);
 std::string numbers(const Vec3& value);
-/// Roll, pitch and yaw [rad]: fixed axes x, y, z in this order, as URDF and SDF have them.
-Vec3 roll_pitch_yaw(const Quat& q);
 
 /// A body in the tree. Parents precede their children.
 struct Link {

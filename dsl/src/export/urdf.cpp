@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "export/export_tree.h"
+#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::exporting {
 

@@ -25,8 +25,6 @@ namespace cogrsim::dsl::import {
 
 namespace {
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 /// The inertia of a child in its parent's frame.
 RobotInertia moved(const RobotInertia& in, const Pose& X) {
   const Mat3 R = X.q.toRotationMatrix();
@@ -57,12 +55,6 @@ int RobotModel::joint(const std::string& wanted) const {
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (joints[i].name == wanted) return static_cast<int>(i);
   return -1;
-}
-
-Quat from_rpy(const Vec3& rpy) {
-  return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) *
-              Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) * Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()))
-      .normalized();
 }
 
 void repair_inertias(Context& context, RobotModel& robot) {
@@ -150,7 +142,7 @@ class Welding {
         link_removed_(robot.links.size(), false),
         joint_removed_(robot.joints.size(), false) {
     for (std::size_t i = 0; i < robot.joints.size(); ++i)
-      inboard_[at(robot.joints[i].child)] = static_cast<int>(i);
+      inboard_[robot.joints[i].child] = static_cast<int>(i);
     for (const RobotLink& l : robot.links)
       for (const RobotSensor& s : l.sensors)
         if (s.element == "force-torque") measured_.insert(s.joint);
@@ -159,19 +151,19 @@ class Welding {
 
   void merge_fixed_links() {
     for (const int child : order_) {
-      const int j = inboard_[at(child)];
+      const int j = inboard_[child];
       if (j < 0) continue;
-      const RobotJoint& joint = robot_.joints[at(j)];
+      const RobotJoint& joint = robot_.joints[j];
       if (joint.type != RobotJoint::Type::fixed) continue;
       // What a sensor measures stays a joint.
-      if (measured_.count(joint.name) != 0 && robot_.links[at(child)].inertia) continue;
+      if (measured_.count(joint.name) != 0 && robot_.links[child].inertia) continue;
       if (joint.parent < 0) {
-        robot_.links[at(child)].is_static = true;
-        robot_.links[at(child)].X = joint.X_PC;
+        robot_.links[child].is_static = true;
+        robot_.links[child].X = joint.X_PC;
       } else {
         merge(child, joint.parent, joint.X_PC);
       }
-      joint_removed_[at(j)] = true;
+      joint_removed_[j] = true;
     }
   }
 
@@ -179,23 +171,22 @@ class Welding {
   /// joints is given a small mass.
   void resolve_massless_links() {
     for (const int index : order_) {
-      RobotLink& link = robot_.links[at(index)];
-      if (link_removed_[at(index)] || link.inertia || link.is_static) continue;
-      const int j = inboard_[at(index)];
-      const bool is_root = j < 0 || joint_removed_[at(j)];
+      RobotLink& link = robot_.links[index];
+      if (link_removed_[index] || link.inertia || link.is_static) continue;
+      const int j = inboard_[index];
+      const bool is_root = j < 0 || joint_removed_[j];
       const bool has_children = carries(index);
       if (is_root) {
         if (!has_children && robot_.links.size() != 1 && link.shapes.empty()) continue;
         link.is_static = true;
         context_.approximate(link.at, fmt::format("link '{}'", link.name),
                              "the root has no mass: it is static");
-      } else if (const RobotJoint& joint = robot_.joints[at(j)];
-                 !has_children && joint.parent >= 0) {
+      } else if (const RobotJoint& joint = robot_.joints[j]; !has_children && joint.parent >= 0) {
         context_.approximate(joint.at, fmt::format("joint '{}'", joint.name),
                              fmt::format("its link '{}' has no mass and carries nothing: it "
                                          "became a frame of its parent, at zero",
                                          link.name));
-        joint_removed_[at(j)] = true;
+        joint_removed_[j] = true;
         merge(index, joint.parent, joint.X_PC);
       } else {
         give_mass(index);
@@ -212,8 +203,8 @@ class Welding {
       links.push_back(std::move(robot_.links[i]));
     }
     const auto renumber = [&](RobotJoint& j) {
-      if (j.parent >= 0) j.parent = number[at(j.parent)];
-      j.child = number[at(j.child)];
+      if (j.parent >= 0) j.parent = number[j.parent];
+      j.child = number[j.child];
     };
     std::vector<RobotJoint> joints, loops;
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
@@ -235,21 +226,21 @@ class Welding {
     std::vector<int> depth(robot_.links.size(), 0);
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       int d = 0;
-      for (int up = inboard_[i]; up >= 0 && robot_.joints[at(up)].parent >= 0 &&
-                                 d <= static_cast<int>(robot_.links.size());
-           up = inboard_[at(robot_.joints[at(up)].parent)])
+      for (int up = inboard_[i];
+           up >= 0 && robot_.joints[up].parent >= 0 && d <= static_cast<int>(robot_.links.size());
+           up = inboard_[robot_.joints[up].parent])
         ++d;
       depth[i] = d;
       order_.push_back(static_cast<int>(i));
     }
     std::stable_sort(order_.begin(), order_.end(),
-                     [&](int a, int b) { return depth[at(a)] > depth[at(b)]; });
+                     [&](int a, int b) { return depth[a] > depth[b]; });
   }
 
   /// `X`: the pose of the child in the parent.
   void merge(int child, int parent, const Pose& X) {
-    RobotLink& from = robot_.links[at(child)];
-    RobotLink& to = robot_.links[at(parent)];
+    RobotLink& from = robot_.links[child];
+    RobotLink& to = robot_.links[parent];
     to.frames.push_back({from.name, X});
     for (RobotFrame& f : from.frames) to.frames.push_back({f.name, X * f.X, f.is_site});
     for (RobotShape& s : from.shapes) {
@@ -291,7 +282,7 @@ class Welding {
         j.axis = X.q * j.axis;
       }
     }
-    link_removed_[at(child)] = true;
+    link_removed_[child] = true;
     from.shapes.clear();
   }
 
@@ -309,13 +300,13 @@ class Welding {
       const RobotJoint& j = robot_.joints[i];
       if (joint_removed_[i] || (j.parent != index && j.child != index)) continue;
       const int other = j.parent == index ? j.child : j.parent;
-      if (other >= 0 && robot_.links[at(other)].inertia)
-        least = std::min(least, robot_.links[at(other)].inertia->mass);
+      if (other >= 0 && robot_.links[other].inertia)
+        least = std::min(least, robot_.links[other].inertia->mass);
     }
     RobotInertia made;
     made.mass = 1e-3 * (std::isfinite(least) ? least : 1.0);
     made.I = 0.4 * made.mass * 1e-4 * Mat3::Identity();
-    RobotLink& link = robot_.links[at(index)];
+    RobotLink& link = robot_.links[index];
     link.inertia = made;
     context_.approximate(
         link.at, fmt::format("link '{}'", link.name),
@@ -345,7 +336,7 @@ void join_excluded_pairs(RobotModel& robot) {
   for (const auto& [a, b] : robot.no_contact) {
     const int i = body_of(a), k = body_of(b);
     if (i < 0 || k < 0 || i == k || !known.insert(std::minmax(i, k)).second) continue;
-    pairs.emplace_back(robot.links[at(i)].name, robot.links[at(k)].name);
+    pairs.emplace_back(robot.links[i].name, robot.links[k].name);
   }
   robot.no_contact = std::move(pairs);
 }

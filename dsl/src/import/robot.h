@@ -11,6 +11,7 @@
 #include "cogrsim/core/constants.h"
 #include "cogrsim/core/types.h"
 #include "import/context.h"
+#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::import {
 
@@ -188,9 +189,6 @@ struct RobotModel {
   /// Whether a link never moves; -1: the world.
   bool stands(int link) const { return link < 0 || links[link].is_static; }
 };
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll): rotations about fixed x, y and z axes [rad].
-Quat from_rpy(const Vec3& rpy);
 
 /// Makes every link's inertia one that a rigid body can have: principal moments that are positive
 /// and of which none exceeds the sum of the others. The nearest one in the Frobenius norm is taken;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "import/robot.h"
+#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::import {
 
@@ -44,14 +45,7 @@ std::string pose_text(const Pose& X) {
   const Quat q = X.q.w() < 0 ? Quat(-X.q.w(), -X.q.x(), -X.q.y(), -X.q.z()) : X.q;
   if (q.vec().norm() < 1e-15) return out;
   // Angles that a person would write are written in degrees.
-  const Mat3 R = q.toRotationMatrix();
-  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  Vec3 rpy;
-  if (std::abs(R(2, 0)) < 1.0 - 1e-12)
-    rpy = Vec3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0)));
-  else
-    rpy = Vec3(0.0, pitch, std::atan2(-R(0, 1), R(1, 1)));
-  Vec3 degrees = rpy * (180.0 / kPi);
+  const Vec3 degrees = roll_pitch_yaw(q, 1e-6) * (180.0 / kPi);
   const Vec3 round = degrees.array().round();
   // To 1e-13 rad: what is written differs from what was read by less than rounding of the poses.
   if (from_rpy(round * (kPi / 180.0)).angularDistance(q) < 1e-13)

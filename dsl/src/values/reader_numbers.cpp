@@ -6,6 +6,7 @@
 #include "report/diagnostics.h"
 #include "values/attribute_text.h"
 #include "values/reader_detail.h"
+#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -262,10 +263,7 @@ Read<Pose> Reader::pose() {
     }
     out.value.q = q.normalized();
   } else if (rpy.given()) {
-    // Fixed axes: first about x, then y, then z.
-    out.value.q = Quat(Eigen::AngleAxisd(rpy.value.z(), Vec3::UnitZ()) *
-                       Eigen::AngleAxisd(rpy.value.y(), Vec3::UnitY()) *
-                       Eigen::AngleAxisd(rpy.value.x(), Vec3::UnitX()));
+    out.value.q = from_rpy(rpy.value);
   }
   return out;
 }
