@@ -10,10 +10,10 @@ All quantities are in SI units, orientations are quaternions w x y z, names are 
 """
 
 from ._errors import CompileError, Error, RunWarning
-from ._cogrsim import (Diagnostic, Element, Event, Frame, ImportedModel, ImportEntry, Message, Motor,
-                       Observation, Reading, Recorder, Robot, Scene, SensorContext, SensorHandle, Signal,
-                       Simulation, Snapshot, SupervisorContext, Tick, check, compile, compile_string, explain,
-                       import_model, resume)
+from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
+                       Message, Motor, Observation, Reading, Recorder, Robot, Scene, SensorContext,
+                       SensorHandle, Signal, Simulation, Snapshot, SupervisorContext, Tick, check, compile,
+                       compile_string, explain, export_model, import_model, resume)
 from .control import Channel, Controller, Output, Parameter, Sensor, Supervisor, channel, output, parameter
 from .recording import Recording
 
@@ -46,7 +46,7 @@ def _frame_png(self):
         return None
 
 
-def _import_html(self):
+def _report_html(self):
     """The report as a table, for notebooks."""
     from html import escape
     rows = []
@@ -57,7 +57,7 @@ def _import_html(self):
             f"<th>message</th><th>place</th></tr></thead><tbody>{''.join(rows)}</tbody></table>")
 
 
-ImportedModel._repr_html_ = _import_html
+ImportedModel._repr_html_ = ExportedModel._repr_html_ = _report_html
 Frame._repr_png_ = _frame_png
 Simulation._repr_png_ = lambda self: _frame_png(self.frame)
 Simulation.signal = _signal

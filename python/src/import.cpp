@@ -1,10 +1,12 @@
-// Robots in other formats.
+// Robots from and to other formats.
+#include "cogrsim/dsl/export_model.h"
 #include "cogrsim/dsl/import_model.h"
 
 #include <filesystem>
 
 #include "cogrsim/core/output_file.h"
 #include "common.h"
+#include "scene.h"
 
 namespace cogrsim::python {
 
@@ -12,32 +14,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The value of a word. Raises ValueError with the words that there are.
+template <class Value, std::size_t kCount>
+Value chosen(const char* argument, const std::string& word,
+             const std::pair<const char*, Value> (&words)[kCount]) {
+  std::string known;
+  for (const auto& [name, value] : words) {
+    if (word == name) return value;
+    known += (known.empty() ? "'" : ", '") + std::string(name) + "'";
+  }
+  throw py::value_error(std::string(argument) + ": expected one of " + known + ", given '" + word +
+                        "'");
+}
+
 std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
                                                 const std::map<std::string, py::object>& packages,
                                                 const std::map<std::string, std::string>& arguments,
                                                 const std::string& drives, bool fixed_base,
-                                                bool floor, const py::object& semantics) {
+                                                bool floor, const py::object& semantics,
+                                                const std::string& keyframe) {
   dsl::ImportOptions options;
   for (const auto& [name, folder] : packages) options.packages[name] = path_of(folder);
   options.arguments = arguments;
   options.fixed_base = fixed_base;
   options.floor = floor;
+  options.keyframe = keyframe;
   if (!semantics.is_none()) options.semantics = path_of(semantics);
   const std::pair<const char*, dsl::ImportDrives> kinds[] = {
       {"none", dsl::ImportDrives::none},
       {"position", dsl::ImportDrives::position},
       {"torque", dsl::ImportDrives::torque},
       {"velocity", dsl::ImportDrives::velocity}};
-  bool known = false;
-  for (const auto& [name, kind] : kinds) {
-    if (drives != name) continue;
-    options.drives = kind;
-    known = true;
-  }
-  if (!known) {
-    throw py::value_error("drives: expected 'none', 'position', 'torque' or 'velocity', given '" +
-                          drives + "'");
-  }
+  options.drives = chosen("drives", drives, kinds);
   const std::string file = path_of(path);
   auto result = std::make_shared<dsl::ImportResult>([&] {
     const py::gil_scoped_release unlock;
@@ -47,19 +55,66 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
   return result;
 }
 
-void write(const dsl::ImportResult& self, const py::object& path, bool overwrite) {
-  const fs::path scene = path_of(path);
+std::shared_ptr<dsl::ExportResult> export_model(const py::object& scene, const std::string& format,
+                                                const std::string& assembly) {
+  dsl::ExportOptions options;
+  options.assembly = assembly;
+  const std::pair<const char*, dsl::ExportFormat> formats[] = {{"urdf", dsl::ExportFormat::urdf},
+                                                               {"sdf", dsl::ExportFormat::sdf},
+                                                               {"mjcf", dsl::ExportFormat::mjcf}};
+  options.format = chosen("format", format, formats);
+  const ScenePtr source = scene_of(scene);
+  auto result = [&] {
+    const py::gil_scoped_release unlock;
+    return dsl::export_model(*source->model, options);
+  }();
+  return std::make_shared<dsl::ExportResult>(value_of(std::move(result)));
+}
+
+/// Writes a text, and the files that belong beside it.
+void write(const fs::path& to, OutputKind kind, const std::string& text,
+           const std::vector<dsl::ImportedFile>& files, bool overwrite) {
   OutputRules rules;
   rules.overwrite = overwrite;
-  check(write_output_file(scene.string(), OutputKind::xml, self.scene, rules));
-  for (const dsl::ImportedFile& file : self.files) {
-    const auto to =
-        output_in(scene.has_parent_path() ? scene.parent_path().string() : ".", file.name);
-    if (!to) raise(to.error());
+  check(write_output_file(to.string(), kind, text, rules));
+  for (const dsl::ImportedFile& file : files) {
+    const auto beside =
+        output_in(to.has_parent_path() ? to.parent_path().string() : ".", file.name);
+    if (!beside) raise(beside.error());
     std::error_code error;
-    fs::create_directories(fs::path(*to).parent_path(), error);
-    check(write_output_file(*to, OutputKind::other, file.bytes, rules));
+    fs::create_directories(fs::path(*beside).parent_path(), error);
+    check(write_output_file(*beside, OutputKind::other, file.bytes, rules));
   }
+}
+
+/// What imported and exported models have alike.
+template <class Model>
+void bind_conversion(py::class_<Model, std::shared_ptr<Model>>& type, const std::string& name,
+                     const char* order) {
+  type.def_readonly("report", &Model::entries, order)
+      .def_property_readonly(
+          "files",
+          [](const Model& m) {
+            py::dict out;
+            for (const dsl::ImportedFile& file : m.files)
+              out[py::str(file.name)] = py::bytes(file.bytes);
+            return out;
+          },
+          "Contents of the files that belong beside it, by name")
+      .def(
+          "count",
+          [](const Model& m, const std::string& fidelity) {
+            for (const auto one :
+                 {dsl::Fidelity::exact, dsl::Fidelity::approximate, dsl::Fidelity::left_out})
+              if (fidelity == dsl::fidelity_name(one)) return m.count(one);
+            raise_unknown("fidelity", fidelity, {"exact", "approximate", "left out"});
+          },
+          py::arg("fidelity"), "Number of elements that are 'exact', 'approximate' or 'left out'.")
+      .def("__repr__", [name](const Model& m) {
+        return "<" + name + ": " + std::to_string(m.count(dsl::Fidelity::exact)) + " exact, " +
+               std::to_string(m.count(dsl::Fidelity::approximate)) + " approximate, " +
+               std::to_string(m.count(dsl::Fidelity::left_out)) + " left out>";
+      });
 }
 
 }  // namespace
@@ -78,51 +133,50 @@ void bind_import(py::module_& m) {
         return "<" + std::string(dsl::fidelity_name(e.fidelity)) + ": " + e.element +
                (e.message.empty() ? "" : ": " + e.message) + ">";
       });
-  py::class_<dsl::ImportResult, std::shared_ptr<dsl::ImportResult>>(
-      m, "ImportedModel", "A robot or world in another format, as a scene.")
-      .def_readonly("format", &dsl::ImportResult::format, "'URDF', 'MJCF' or 'SDF'")
+  py::class_<dsl::ImportResult, std::shared_ptr<dsl::ImportResult>> imported(
+      m, "ImportedModel", "A robot or world in another format, as a scene.");
+  imported.def_readonly("format", &dsl::ImportResult::format, "'URDF', 'MJCF' or 'SDF'")
       .def_readonly("scene", &dsl::ImportResult::scene, "The scene, XML")
-      .def_readonly("report", &dsl::ImportResult::entries,
-                    "list of ImportEntry, in the order of the source")
       .def_readonly("diagnostics", &dsl::ImportResult::diagnostics, "Warnings and notes")
       .def_readonly("files_read", &dsl::ImportResult::files_read,
                     "Paths of all files that were read")
-      .def_property_readonly(
-          "files",
-          [](const dsl::ImportResult& r) {
-            py::dict out;
-            for (const dsl::ImportedFile& file : r.files)
-              out[py::str(file.name)] = py::bytes(file.bytes);
-            return out;
-          },
-          "Contents of the files that belong beside the scene, by name")
       .def(
-          "count",
-          [](const dsl::ImportResult& r, const std::string& fidelity) {
-            for (const auto one :
-                 {dsl::Fidelity::exact, dsl::Fidelity::approximate, dsl::Fidelity::left_out}) {
-              if (fidelity == dsl::fidelity_name(one)) return r.count(one);
-            }
-            raise_unknown("fidelity", fidelity, {"exact", "approximate", "left out"});
+          "write",
+          [](const dsl::ImportResult& r, const py::object& path, bool overwrite) {
+            write(path_of(path), OutputKind::xml, r.scene, r.files, overwrite);
           },
-          py::arg("fidelity"), "Number of elements that are 'exact', 'approximate' or 'left out'.")
-      .def("write", &write, py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
-           "Write the scene to a file, and the files that belong beside it.")
-      .def("__repr__", [](const dsl::ImportResult& r) {
-        return "<ImportedModel " + r.format + ": " + std::to_string(r.count(dsl::Fidelity::exact)) +
-               " exact, " + std::to_string(r.count(dsl::Fidelity::approximate)) + " approximate, " +
-               std::to_string(r.count(dsl::Fidelity::left_out)) + " left out>";
-      });
+          py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
+          "Write the scene to a file, and the files that belong beside it.");
+  bind_conversion(imported, "ImportedModel", "list of ImportEntry, in the order of the source");
+  py::class_<dsl::ExportResult, std::shared_ptr<dsl::ExportResult>> exported(
+      m, "ExportedModel", "A scene, or one assembly of it, in another format.");
+  exported.def_readonly("text", &dsl::ExportResult::text, "The file, XML")
+      .def(
+          "write",
+          [](const dsl::ExportResult& r, const py::object& path, bool overwrite) {
+            write(path_of(path), OutputKind::other, r.text, r.files, overwrite);
+          },
+          py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
+          "Write the text to a file, and the meshes into a folder beside it.");
+  bind_conversion(exported, "ExportedModel", "list of ImportEntry, in the order of the scene");
   m.def("import_model", &import_model, py::arg("path"), py::kw_only(),
         py::arg("packages") = std::map<std::string, py::object>(),
         py::arg("arguments") = std::map<std::string, std::string>(), py::arg("drives") = "none",
         py::arg("fixed_base") = false, py::arg("floor") = true, py::arg("semantics") = py::none(),
+        py::arg("keyframe") = "",
         "Read a URDF (also xacro), MJCF or SDF file as a scene.\n\n"
         "packages: folders of ROS packages by name. arguments: of xacro. drives: motors of joints "
         "for which\n"
         "the source names none: 'none', 'position', 'torque' or 'velocity'. semantics: an SRDF "
         "file.\n"
+        "keyframe: of an MJCF, in which the robot starts: its name, or, if it has none, its number "
+        "from 1.\n"
         "Raises CompileError (.diagnostics): nothing could be made of it.");
+  m.def("export_model", &export_model, py::arg("scene"), py::arg("format"), py::kw_only(),
+        py::arg("assembly") = "",
+        "A Scene, or a scene file, at time 0 as 'urdf', 'sdf' or 'mjcf'; an ExportedModel.\n\n"
+        "assembly: dotted name of the one to write; '': the whole scene.\n"
+        "Raises ValueError: an unknown format; Error: no such assembly, or no body to write.");
 }
 
 }  // namespace cogrsim::python

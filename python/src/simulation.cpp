@@ -380,6 +380,30 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
            "The flags ask for contents beside state, readings and events. An exception ends the\n"
            "call that steps, after the step, and is raised there. Returns an Observation.")
       .def(
+          "reload_controller",
+          [](const SessionPtr& s, const std::string& name) {
+            const Use use(*s);
+            const Reloaded done = value_of([&] {
+              const py::gil_scoped_release unlock;
+              return s->simulation->reload_controller(name);
+            }());
+            py::dict out;
+            out["controller"] = done.controller;
+            out["plugin"] = done.plugin;
+            out["version"] = done.version;
+            out["memory_kept"] = done.memory_kept;
+            out["note"] = done.note;
+            return out;
+          },
+          py::arg("name"),
+          "Replace the library of a controller by the file that is there now; `name` may be its "
+          "assembly.\n"
+          "The new one gets what save() of the old one returns, or restarts. Returns a dict: "
+          "controller,\n"
+          "plugin, version, memory_kept, and note: why it restarted. Raises Error, after which "
+          "nothing\n"
+          "has changed: no such controller, or the new library does not fit the scene.")
+      .def(
           "stop", [](const SessionPtr& s) { s->simulation->stop(); },
           "End the run at the next step boundary. From any thread.")
       .def("__repr__", [](const SessionPtr& s) {

@@ -139,6 +139,37 @@ class Imports(Case):
         with self.assertRaises(KeyError):
             cg.import_model(self.write("stick.urdf", URDF)).count("good")
 
+    def test_keyframe(self):
+        path = self.write("pole.xml", """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/>
+<geom type="box" size="0.1 0.1 0.3"/></body></worldbody>
+<keyframe><key name="up" qpos="0"/><key name="tilted" qpos="0.25"/></keyframe></mujoco>""")
+        for keyframe, start in (("", 0.0), ("tilted", 0.25)):
+            model = cg.import_model(path, keyframe=keyframe, floor=False)
+            frame = cg.Simulation(cg.compile_string(model.scene)).frame
+            self.assertAlmostEqual(frame.joint_position[0], start, places=12)
+        with self.assertRaisesRegex(cg.CompileError, "upright"):
+            cg.import_model(path, keyframe="upright")
+
+
+class Exports(Case):
+    def test_round_trip(self):
+        scene = cg.compile(CART)
+        for format, name in (("urdf", "cart.urdf"), ("sdf", "cart.sdf"), ("mjcf", "cart.xml")):
+            model = cg.export_model(scene, format)
+            self.assertEqual(len(model.report), sum(map(model.count, ("exact", "approximate", "left out"))))
+            self.assertIn("<td>", model._repr_html_())
+            model.write(self.folder / name)
+            back = cg.compile_string(cg.import_model(self.folder / name, floor=False).scene)
+            self.assertEqual(sum(1 for j in back.joints), sum(1 for j in scene.joints), format)
+            with self.assertRaises(cg.Error):
+                model.write(self.folder / name)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(ValueError, "'urdf', 'sdf', 'mjcf', given 'stl'"):
+            cg.export_model(CART, "stl")
+        with self.assertRaisesRegex(cg.Error, "cartt"):
+            cg.export_model(CART, "urdf", assembly="cartt")
+
 
 if __name__ == "__main__":
     main()

@@ -8,12 +8,16 @@ import unittest
 import unittest.mock
 import warnings
 import weakref
+from pathlib import Path
 
 import numpy as np
 
 import cogrsim as cg
 
 from support import YARD, Case, main
+
+
+CARRIER = Path(__file__).parents[2] / "examples" / "010_two_wheels" / "two_wheels.scene.xml"
 
 
 def yard(**options):
@@ -382,6 +386,25 @@ class Progress(Case):
         stream.write = unittest.mock.Mock(side_effect=OSError)
         self.assertEqual(self.lines(stream)[0].time, cg.Simulation(cg.compile_string(YARD)).run_until(0.3).time)
         stream.write.assert_called_once()
+
+
+class Reloading(Case):
+    def test_library(self):
+        sim = cg.Simulation(CARRIER)
+        sim.run_until(0.1)
+        done = sim.reload_controller("robot")
+        self.assertEqual(done["plugin"], "diff_drive")
+        self.assertTrue(done["memory_kept"] or done["note"])
+        sim.run_until(0.2)
+        self.assertAlmostEqual(sim.time, 0.2)
+
+    def test_errors(self):
+        sim = yard()
+        with self.assertRaisesRegex(cg.Error, "nobody"):
+            sim.reload_controller("nobody")
+        with self.assertRaises(TypeError):
+            sim.reload_controller(1)
+        sim.step()
 
 
 if __name__ == "__main__":
