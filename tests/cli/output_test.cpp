@@ -476,3 +476,44 @@ velocity="9"/></joint>)";
   }
   CHECK(engines > 0);
 }
+
+TEST_CASE("an import leaves out the limits that a named engine refuses", "[cli]") {
+  const TemporaryFolder folder;
+  const auto robot = [&](const std::string& limits) {
+    const std::string file = folder / "a.urdf", body = R"(<inertial><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>)";
+    put(file, R"(<robot name="a"><link name="base">)" + body + R"(<link name="arm">)" + body +
+                  R"(<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/>
+<axis xyz="0 1 0"/><limit )" +
+                  limits + R"( effort="9" velocity="9"/></joint></robot>)");
+    return file;
+  };
+  const std::string scene = folder / "a.scene.xml";
+  const auto runs = [&](const std::string& engine) {
+    return cogrsim_run({"run", scene, "-b", engine, "-d", "0.01"}).status == 0;
+  };
+  const std::string narrow = robot(R"(lower="-1" upper="1")");
+  const Outcome made = cogrsim_run({"import", narrow, "-o", scene});
+  REQUIRE(made.status == 0);
+  std::vector<std::string> engines;
+  std::istringstream lines(made.err);
+  for (std::string line, engine; std::getline(lines, line);)
+    if (line.find(" runs it") != std::string::npos && std::istringstream(line) >> engine)
+      engines.push_back(engine);
+  REQUIRE_FALSE(engines.empty());
+  // Some engines count turns, and some do not.
+  const std::string wide = robot(R"(lower="-4" upper="5")");
+  for (const std::string& engine : engines) {
+    INFO(engine);
+    REQUIRE(cogrsim_run({"import", wide, "-o", scene, "--overwrite"}).status == 0);
+    const bool takes_them = runs(engine);
+    const Outcome without =
+        cogrsim_run({"import", wide, "-o", scene, "--overwrite", "--engines", engine});
+    REQUIRE(without.status == 0);
+    CHECK(runs(engine));
+    const bool left_out = without.err.find("limits of joint 'elbow'") != std::string::npos;
+    CHECK(left_out != takes_them);
+    if (left_out)
+      CHECK_THAT(without.err, Contains("-4 to 5 rad: '" + engine + "' does not support them"));
+  }
+}

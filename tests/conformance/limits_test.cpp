@@ -146,5 +146,38 @@ TEST_CASE("limit: pendulum that falls into its stop", "[limits]") {
                    -mass * 9.81 * 0.5 * length * std::cos(stop), 0.01);
 }
 
+TEST_CASE("limit: pendulum with a range of 300 degrees", "[limits]") {
+  // A rod that stands 30 degrees off the middle of its range falls to the stop on that side, 30
+  // degrees before it would hang. One of the stops is beyond 180 degrees.
+  const double mass = 1.0, length = 1.0, range = 300.0 * kDegree;
+  const double start = GENERATE(120.0, 180.0) * kDegree;
+  const double stop = start > 0.5 * range ? range : 0.0;
+  const auto below_level = [](double q) { return q + 120.0 * kDegree; };
+  const auto place = [&](double q) {
+    const Quat turn(Eigen::AngleAxisd(below_level(q), Vec3::UnitY()));
+    return Pose{turn * Vec3(0.5 * length, 0, 0), turn};
+  };
+  ModelBuilder builder;
+  const double moment = mass * length * length / 12.0;
+  const int rod =
+      builder.body("rod", mass, Mat3(Vec3(1e-3, moment, moment).asDiagonal()), place(0.0));
+  builder.joint("hinge", JointType::hinge, kWorld, rod, {Vec3::Zero(), z_to(Vec3::UnitY())});
+  Joint& hinge = builder.model.joints[0];
+  hinge.axes.resize(1);
+  hinge.axes[0].lower = 0.0;
+  hinge.axes[0].upper = range;
+  hinge.position = {start};
+  builder.model.bodies[static_cast<std::size_t>(rod)].X_WB = place(start);
+  Sim sim(builder);
+  double overshoot = 0.0;
+  sim.run(3.0, kDt, [&] { overshoot = std::max({overshoot, -sim.q(0), sim.q(0) - range}); });
+  // m g (fall) = (m l² / 3) w² / 2, and it falls from 60 degrees above level to 60 below.
+  const double speed = std::sqrt(3.0 * 9.81 / length * 2.0 * std::sin(60.0 * kDegree));
+  measure("overshoot [rad]", overshoot, 2.0 * speed * kDt);
+  measure("angle at rest against the stop [rad]", std::abs(sim.q(0) - stop), 1e-3);
+  measure_relative("effort of the stop [N m]", sim.effort(0),
+                   -mass * 9.81 * 0.5 * length * std::cos(below_level(stop)), 0.01);
+}
+
 }  // namespace
 }  // namespace conformance

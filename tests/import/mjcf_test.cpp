@@ -112,6 +112,29 @@ TEST_CASE("meshes of MJCF collide as their hulls, also those of the world", "[mj
   CHECK(in.reports(kLeftOut, "geom", "leaves no volume"));
 }
 
+TEST_CASE("a mesh that is inside out has no mass, and is named by its body", "[mjcf]") {
+  Imported in;
+  in.folder.write("m.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");
+  in.read(R"(<mujoco><asset><mesh name="m" file="m.obj"/></asset><worldbody>
+      <body name="b"><freejoint/><geom type="mesh" mesh="m"/><geom size="0.1"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kLeftOut, "mass of geom of type mesh of body 'b'", "the mesh is inside out"));
+  CHECK_FALSE(in.reports(kLeftOut, "", "''"));
+}
+
+TEST_CASE("an inertia that MJCF gives as zero is taken from the geoms", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody><body name="b"><freejoint/>
+      <inertial pos="0 0 0.3" mass="6" diaginertia="0 0 0"/>
+      <geom type="box" size="0.5 0.5 0.5" euler="0 0 90"/></body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK((in.body("b").inertia - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(in.reports(kApproximate, "inertia of link 'b'", "is zero"));
+}
+
 TEST_CASE("a step that no scene has is left out", "[mjcf]") {
   Imported in;
   in.read(R"(<mujoco><option timestep="2"/><worldbody><body><geom size="0.1"/></body></worldbody></mujoco>)",

@@ -90,3 +90,16 @@ TEST_CASE("both words for the thread of a screw are read", "[sdf]") {
   CHECK(pitch("<screw_thread_pitch>0</screw_thread_pitch>") == 0.0);
   CHECK(pitch("<thread_pitch>0</thread_pitch>") == 0.0);
 }
+
+TEST_CASE("an inertia that SDF gives as zero is taken from the collisions", "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.7"><model name="m"><link name="a"><inertial><mass>5</mass>
+      <inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial>
+    <collision name="c"><geometry><sphere><radius>0.5</radius></sphere></geometry></collision>
+    </link></model></sdf>)",
+          "m.sdf");
+  REQUIRE(in.model);
+  // 2 m r² / 5
+  CHECK((in.body("a").inertia - 0.5 * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "is zero"));
+}

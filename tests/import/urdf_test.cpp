@@ -1,5 +1,8 @@
 #include <Eigen/Eigenvalues>
 
+#include <cmath>
+
+#include "cogrsim/core/constants.h"
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -275,4 +278,64 @@ TEST_CASE("a thin rod without a moment about its axis is given a little", "[urdf
   REQUIRE(in.model);
   CHECK(in.body("a").inertia(2, 2) > 0.0);
   CHECK(in.reports(kApproximate, "inertia of link 'a'"));
+}
+
+TEST_CASE("an inertia that is zero is taken from the shapes", "[urdf]") {
+  Imported in;
+  // 8 m^3 of box and 1 m^3 of ball: of 4 kg the box has 32/9 and the ball 4/9.
+  const double ball = std::cbrt(0.75 / kPi);  // its radius
+  in.read(R"(<robot name="r"><link name="a"><inertial><origin xyz="0 0 0.1"/><mass value="4"/>
+      <inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="2 2 2"/></geometry></collision>
+    <collision><geometry><sphere radius=")" +
+          std::to_string(ball) + R"("/></geometry></collision>
+    <visual><geometry><box size="9 9 9"/></geometry></visual></link></robot>)");
+  REQUIRE(in.model);
+  const Body& a = in.body("a");
+  CHECK(a.com.z() == 0.1);
+  // m (2² + 2²) / 12 and 2 m r² / 5; the radius was written with six decimals.
+  const double moment = 32.0 / 9.0 * 8.0 / 12.0 + 4.0 / 9.0 * 0.4 * ball * ball;
+  CHECK((a.inertia - moment * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "is zero: taken as its shapes'"));
+  // What is only seen counts where nothing is touched; a mesh as its box.
+  in.folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
+  in.read(R"(<robot name="r"><link name="a"><inertial><mass value="12"/></inertial>
+    <visual><geometry><mesh filename="m.obj"/></geometry></visual></link></robot>)");
+  REQUIRE(in.model);
+  CHECK((in.body("a").inertia - Mat3(Vec3(13, 10, 5).asDiagonal())).cwiseAbs().maxCoeff() < 1e-12);
+  // Without shapes it is a point, which is given a little.
+  in.read(
+      R"(<robot name="r"><link name="a"><inertial><mass value="1"/></inertial></link></robot>)");
+  REQUIRE(in.model);
+  CHECK(in.body("a").inertia.maxCoeff() < 1e-9);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "the nearest possible ones"));
+}
+
+TEST_CASE("limits that an engine lacks are left out", "[urdf]") {
+  Imported in;
+  std::string asked;
+  in.options.without.limits = [&](const Joint& joint) {
+    asked += joint.name + (joint.type == JointType::slider ? " slides " : " turns ") +
+             std::to_string(joint.position.at(0)) + '\n';
+    const JointAxis& axis = joint.axes.at(0);
+    return std::string(axis.upper - axis.lower > 6.0 ? "'x' does not support them" : "");
+  };
+  const std::string link =
+      R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
+  std::string text = "<robot name=\"r\">";
+  for (const char* name : {"a", "b", "c", "d"}) text += std::string(link).replace(12, 1, name);
+  text += R"(
+    <joint name="wide" type="revolute"><parent link="a"/><child link="b"/>
+      <limit lower="-4" upper="3" effort="1" velocity="1"/></joint>
+    <joint name="narrow" type="prismatic"><parent link="a"/><child link="c"/>
+      <limit lower="1" upper="2" effort="1" velocity="1"/></joint>
+    <joint name="free" type="continuous"><parent link="a"/><child link="d"/></joint></robot>)";
+  in.read(text);
+  REQUIRE(in.model);
+  CHECK(asked == "wide turns 0.000000\nnarrow slides 1.000000\n");
+  CHECK_FALSE(in.joint("wide").axes.at(0).has_limit());
+  CHECK(in.joint("narrow").axes.at(0).upper == 2.0);
+  CHECK(in.reports(dsl::Fidelity::left_out, "limits of joint 'wide'",
+                   "-4 to 3 rad: 'x' does not support them"));
+  CHECK(in.result.count(dsl::Fidelity::left_out) == 1);
 }

@@ -171,6 +171,9 @@ TEST_CASE("shapes without volume have no mass", "[mass]") {
   TriangleMesh inside_out = box_mesh(Vec3::Ones(), Vec3::Zero());
   for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
   CHECK_THAT(message(make_shape(ShapeType::mesh), list(inside_out)), Contains("inside out"));
+  Shape unnamed = make_shape(ShapeType::mesh);
+  unnamed.name.clear();
+  CHECK_THAT(message(unnamed, list(inside_out)), Catch::StartsWith("the mesh is inside out"));
   const TriangleMesh sheet = box_mesh(Vec3(1, 1, 0), Vec3::Zero());
   Shape huge = make_shape(ShapeType::box);
   huge.size = Vec3(1e300, 1, 1);  // its inertia, 1e900 kg m^2, is no double

@@ -8,6 +8,8 @@
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/geometry/overlap.h"
+#include "cogrsim/model/builder.h"
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/capabilities.h"
 #include "cogrsim/simulation/simulation.h"
@@ -32,11 +34,43 @@ struct ImportCommandOptions {
   dsl::ImportOptions import;
 };
 
+using Loader = std::shared_ptr<PluginLoader>;
+
+/// Why an engine does not run a scene; empty: it does.
+std::vector<std::string> reasons_against(const std::string& engine, const SceneModelPtr& model,
+                                         const Loader& loader) {
+  SimulationOptions options;
+  options.backend = engine;
+  std::vector<std::string> out;
+  if (const auto simulation = Simulation::create(model, options, loader); !simulation)
+    for (const Diagnostic& d : simulation.error())
+      if (d.severity == Severity::error) out.push_back(d.message);
+  return out;
+}
+
+/// Whether an engine runs a ball on this joint without its limits, and not with them.
+bool refuses_limits(const std::string& engine, Joint joint, const Loader& loader) {
+  const auto runs = [&] {
+    ModelBuilder builder;
+    const int ball = builder.sphere("ball", 1.0, 1.0, joint_pose(joint, joint.position.data()));
+    Joint& made = builder.model.joints[static_cast<std::size_t>(
+        builder.joint(joint.name, joint.type, kWorld, ball, Pose()))];
+    made.X_CM = Pose();
+    made.pitch = joint.pitch;
+    made.axes = joint.axes;
+    made.position = joint.position;
+    return reasons_against(engine, builder.build(), loader).empty();
+  };
+  if (runs()) return false;
+  joint.axes = {JointAxis()};
+  return runs();
+}
+
 /// What the scene does without, so that all these engines run it. Errors: one of them is not there.
-Result<dsl::ImportWithout> lacking(PluginLoader& loader, const std::vector<std::string>& engines) {
+Result<dsl::ImportWithout> lacking(const Loader& loader, const std::vector<std::string>& engines) {
   dsl::ImportWithout out;
   for (const std::string& engine : engines) {
-    const auto backend = loader.backend(engine);
+    const auto backend = loader->backend(engine);
     if (!backend) return tl::unexpected(backend.error());
     const Capabilities has = (*backend)->capabilities();
     const auto lacks = [&](const std::string& feature) {
@@ -49,19 +83,20 @@ Result<dsl::ImportWithout> lacking(PluginLoader& loader, const std::vector<std::
         lacks(pair_feature(ShapeType::box, ShapeType::mesh)))
       out.concave_meshes = fmt::format("'{}' does not collide others with meshes", engine);
   }
+  if (!engines.empty())
+    out.limits = [loader, engines](const Joint& joint) {
+      for (const std::string& engine : engines)
+        if (refuses_limits(engine, joint, loader))
+          return fmt::format("'{}' does not support them", engine);
+      return std::string();
+    };
   return out;
 }
 
 /// Which installed engines run the scene, and the first reason of each that does not.
-void print_engines(const SceneModelPtr& model, const std::shared_ptr<PluginLoader>& loader) {
+void print_engines(const SceneModelPtr& model, const Loader& loader) {
   for (const std::string& name : installed_backends(loader)) {
-    SimulationOptions options;
-    options.backend = name;
-    const auto simulation = Simulation::create(model, options, loader);
-    std::vector<std::string> reasons;
-    if (!simulation)
-      for (const Diagnostic& d : simulation.error())
-        if (d.severity == Severity::error) reasons.push_back(d.message);
+    const std::vector<std::string> reasons = reasons_against(name, model, loader);
     std::string verdict = "runs it";
     if (!reasons.empty()) verdict = "does not run it: " + reasons.front();
     if (reasons.size() > 1) verdict += fmt::format(", and {} more", reasons.size() - 1);
@@ -129,7 +164,7 @@ int import_command(const ImportCommandOptions& options) {
                            fault)
           .string();
   const auto loader = std::make_shared<PluginLoader>();
-  auto without = lacking(*loader, options.engines);
+  auto without = lacking(loader, options.engines);
   if (!without) return refuse(without.error());
   import.without = std::move(*without);
   dsl::ImportResult result = dsl::import_model(options.file, import);
@@ -216,8 +251,8 @@ void add_import(CLI::App& app, int& status) {
       ->type_name("none|position|torque|velocity");
   command
       .add_option("--engines", o.engines,
-                  "Engines that shall run the scene: rotor inertias, couplings and concave meshes "
-                  "that one of them does not support are left out, and reported")
+                  "Engines that shall run the scene: rotor inertias, couplings, concave meshes and "
+                  "limits of joints that one of them does not support are left out, and reported")
       ->delimiter(',')
       ->type_name("LIST");
   command

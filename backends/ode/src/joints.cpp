@@ -47,6 +47,17 @@ bool has_motors(JointType type) {
   return type != JointType::ball && type != JointType::fixed && type != JointType::free;
 }
 
+// Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
+// stops of which one is beyond that, else where the scene's is.
+double zero_between_stops(const Joint& joint, int axis) {
+  const JointAxis& stops = joint.axes[static_cast<std::size_t>(axis)];
+  if (!axis_turns(joint.type, axis) || !std::isfinite(stops.lower) || !std::isfinite(stops.upper) ||
+      (stops.lower > -kPi && stops.upper < kPi)) {
+    return 0.0;
+  }
+  return 0.5 * (stops.lower + stops.upper);
+}
+
 }  // namespace
 
 Result<> check_joints(const SceneModel& model) {
@@ -56,12 +67,15 @@ Result<> check_joints(const SceneModel& model) {
     for (std::size_t i = 0; i < joint.axes.size(); ++i) {
       const JointAxis& axis = joint.axes[i];
       if (!axis.has_limit() || !axis_turns(joint.type, static_cast<int>(i))) continue;
-      const auto is_within = [](double stop) { return std::isinf(stop) || std::abs(stop) < kPi; };
+      const double zero = zero_between_stops(joint, static_cast<int>(i));
+      const auto is_within = [&](double stop) {
+        return std::isinf(stop) || std::abs(stop - zero) < kPi;
+      };
       if (is_within(axis.lower) && is_within(axis.upper)) continue;
-      return fail(
-          "joint '" + joint.name + "': ODE measures the angles of stops from -180 to 180 degrees",
-          source_position(model, joint.origin),
-          "keep the limits within that, or use another backend");
+      return fail("joint '" + joint.name + "': ODE counts no turns between stops",
+                  source_position(model, joint.origin),
+                  "set limits less than 360 degrees apart, or one within 180 degrees of zero, or "
+                  "use another backend");
     }
   }
   return {};
@@ -80,26 +94,33 @@ JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const J
   first_ = child.body ? child : parent;
   second_ = child.body ? parent : JointEnd();
 
-  // ODE's coordinates are zero where a joint is made: it is made where the scene's are.
+  // ODE's coordinates are zero where a joint is made.
+  const bool has_stops = has_motors(joint_->type) && joint_->type != JointType::planar;
+  std::array<double, 7> zero{};
+  bool is_ours = true;  // it is made where the scene's are zero
+  for (std::size_t i = 0; has_stops && i < joint_->axes.size(); ++i) {
+    zero[i] = zero_between_stops(*joint_, static_cast<int>(i));
+    is_ours = is_ours && zero[i] == 0.0;
+  }
+  const Pose X_FM = is_ours ? Pose() : joint_pose(*joint_, zero.data());
   Pose X_WF = parent.start * joint_->X_PF, X_WM = child.start * joint_->X_CM;
-  if (const Pose X_FM = X_WF.inverse() * X_WM;
-      !(X_FM.p.norm() < kFits && X_FM.q.vec().norm() < kFits)) {
+  if (const Pose off = X_FM.inverse() * (X_WF.inverse() * X_WM);
+      !(off.p.norm() < kFits && off.q.vec().norm() < kFits)) {
     if (child.body) {
-      child.body->set_pose(X_WF * joint_->X_CM.inverse());
-      X_WM = X_WF;
+      X_WM = is_ours ? X_WF : X_WF * X_FM;  // without a rounding where none is needed
+      child.body->set_pose(X_WM * joint_->X_CM.inverse());
     } else {
-      parent.body->set_pose(X_WM * joint_->X_PF.inverse());
-      X_WF = X_WM;
+      X_WF = is_ours ? X_WM : X_WM * X_FM.inverse();
+      parent.body->set_pose(X_WF * joint_->X_PF.inverse());
     }
   }
   make(world, X_WF, X_WM);
-  const bool has_stops = has_motors(joint_->type) && !normal_;
   for (std::size_t i = 0; has_stops && i < joint_->axes.size(); ++i) {
     const JointAxis& axis = joint_->axes[i];
     if (!axis.has_limit()) continue;
     const int group = group_of(static_cast<int>(i));
-    set_param(id_, dParamLoStop + group, axis.lower);
-    set_param(id_, dParamHiStop + group, axis.upper);
+    set_param(id_, dParamLoStop + group, axis.lower - zero[i]);
+    set_param(id_, dParamHiStop + group, axis.upper - zero[i]);
   }
   add_laws(world, model, joint, X_WF, X_WM);
 }

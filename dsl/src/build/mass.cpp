@@ -45,7 +45,8 @@ std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
   if (!properties) {
     if (fixed) return MassProperties{};
     fault(shape.mesh >= 0 ? "CG0706" : "CG0701", element, shape.mesh >= 0 ? "file" : "mass",
-          properties.error().message);
+          (shape.name.empty() ? "body '" + model_.bodies[b].name + "': " : std::string()) +
+              properties.error().message);
     return std::nullopt;
   }
   return *properties;

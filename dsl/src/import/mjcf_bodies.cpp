@@ -24,7 +24,7 @@ void MjcfReader::world(const XmlElement& e) {
     } else if (c->name == "geom") {
       const XmlElement g = with_defaults(*c, child_class(e, ""));
       RobotShape shape;
-      if (geom(*c, g, shape, nullptr)) {
+      if (geom(*c, g, {}, shape, nullptr)) {
         if (shape.geometry.type == Geometry::Type::plane ||
             shape.geometry.type == Geometry::Type::heightmap)
           robot_.has_ground = true;
@@ -109,7 +109,7 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
     const XmlElement g = with_defaults(c, around);
     RobotShape shape;
     RobotInertia inertia;
-    const bool made = geom(c, g, shape, &inertia);
+    const bool made = geom(c, g, link.name, shape, &inertia);
     if (inertia.mass > 0.0) {
       parts.masses.push_back(inertia);
       if (shape.geometry.type == Geometry::Type::mesh) parts.mesh = &c;

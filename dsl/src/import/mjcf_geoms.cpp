@@ -9,14 +9,15 @@
 
 namespace cogrsim::dsl::import {
 
-bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, RobotShape& out,
-                      RobotInertia* inertia) {
+bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, const std::string& body,
+                      RobotShape& out, RobotInertia* inertia) {
   out.at = source.at;
   if (const std::string* name = source.find("name")) out.name = *name;
   const std::string* type = e.find("type");
   const std::string kind = type != nullptr ? *type : e.find("mesh") != nullptr ? "mesh" : "sphere";
-  const std::string what =
-      out.name.empty() ? fmt::format("geom of type {}", kind) : fmt::format("geom '{}'", out.name);
+  const std::string what = !out.name.empty() ? fmt::format("geom '{}'", out.name)
+                           : body.empty()    ? fmt::format("geom of type {}", kind)
+                                          : fmt::format("geom of type {} of body '{}'", kind, body);
   out.X = pose(e);
   if (!geom_shape(source, e, kind, what, out)) return false;
   geom_inertia(source, e, out, inertia, what);
@@ -162,47 +163,24 @@ void MjcfReader::geom_inertia(const XmlElement& source, const XmlElement& e,
   const std::optional<double> given = context_.number(e, "mass");
   const double density = context_.number(e, "density", 1000.0);
   const Geometry& g = shape.geometry;
-  MassProperties m;
-  const double a = g.size[0], b = g.size[1], c = g.size[2];
-  double volume = 0.0;
-  switch (g.type) {
-    case Geometry::Type::ellipsoid:
-      volume = 4.0 / 3.0 * kPi * a * b * c;
-      m.mass = given.value_or(density * volume);
-      m.inertia.diagonal() = m.mass / 5.0 * Vec3(b * b + c * c, a * a + c * c, a * a + b * b);
-      break;
-    case Geometry::Type::mesh: {
-      const auto& unit = mesh_mass(g, what);
-      if (!unit) {
-        context_.left_out(source.at, fmt::format("mass of {}", what), unit.error().message);
-        return;
-      }
-      m = *unit;
-      const double factor = given ? *given / m.mass : density;
-      m.mass *= factor;
-      m.inertia *= factor;
-      if (!(m.mass > 0.0)) return;
-      break;
+  std::optional<MassProperties> m;
+  if (g.type == Geometry::Type::mesh) {
+    const auto& unit = mesh_mass(g, what);
+    if (!unit) {
+      context_.left_out(source.at, fmt::format("mass of {}", what), unit.error().message);
+      return;
     }
-    default: {
-      Shape s;
-      s.type = g.type == Geometry::Type::box        ? ShapeType::box
-               : g.type == Geometry::Type::sphere   ? ShapeType::sphere
-               : g.type == Geometry::Type::cylinder ? ShapeType::cylinder
-                                                    : ShapeType::capsule;
-      s.size = g.size;
-      s.radius = g.radius;
-      s.length = g.length;
-      volume = shape_volume(s, {});
-      const double wanted = given.value_or(density * volume);
-      if (!(wanted > 0.0)) return;
-      auto found = shape_mass(s, {}, wanted);
-      if (!found) return;
-      m = *found;
-    }
+    const double factor = given ? *given / unit->mass : density;
+    m = *unit;
+    m->mass *= factor;
+    m->inertia *= factor;
+    if (!(m->mass > 0.0)) return;
+  } else {
+    m = solid_mass(g, given, density);
   }
+  if (!m) return;
   const Mat3 R = shape.X.q.toRotationMatrix();
-  *inertia = {m.mass, shape.X * m.com, R * m.inertia * R.transpose()};
+  *inertia = {m->mass, shape.X * m->com, R * m->inertia * R.transpose()};
 }
 
 }  // namespace cogrsim::dsl::import

@@ -119,7 +119,8 @@ class MjcfReader {
   RobotJoint joint(const XmlElement& source, const XmlElement& e);
 
   // ---- geoms
-  bool geom(const XmlElement& source, const XmlElement& e, RobotShape& out, RobotInertia* inertia);
+  bool geom(const XmlElement& source, const XmlElement& e, const std::string& body, RobotShape& out,
+            RobotInertia* inertia);
   /// Type and extents; of an ellipsoid its half axes, without points.
   bool geom_shape(const XmlElement& source, const XmlElement& e, const std::string& kind,
                   const std::string& what, RobotShape& out);

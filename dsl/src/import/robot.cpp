@@ -57,9 +57,103 @@ int RobotModel::joint(const std::string& wanted) const {
   return -1;
 }
 
+std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double> mass,
+                                         double density) {
+  MassProperties out;
+  if (g.type == Geometry::Type::ellipsoid) {
+    const double a = g.size[0], b = g.size[1], c = g.size[2];
+    out.mass = mass.value_or(density * 4.0 / 3.0 * kPi * a * b * c);
+    out.inertia.diagonal() = out.mass / 5.0 * Vec3(b * b + c * c, a * a + c * c, a * a + b * b);
+    return out;
+  }
+  Shape s;
+  switch (g.type) {
+    case Geometry::Type::box:
+      s.type = ShapeType::box;
+      break;
+    case Geometry::Type::sphere:
+      s.type = ShapeType::sphere;
+      break;
+    case Geometry::Type::cylinder:
+      s.type = ShapeType::cylinder;
+      break;
+    case Geometry::Type::capsule:
+      s.type = ShapeType::capsule;
+      break;
+    default:
+      return std::nullopt;
+  }
+  s.size = g.size;
+  s.radius = g.radius;
+  s.length = g.length;
+  const double wanted = mass.value_or(density * shape_volume(s, {}));
+  if (!(wanted > 0.0)) return std::nullopt;
+  const auto found = shape_mass(s, {}, wanted);
+  return found ? std::optional(*found) : std::nullopt;
+}
+
+namespace {
+
+/// The extent of a shape that is no primitive, in its own axes.
+Bounds extent(Context& context, const Geometry& g) {
+  Bounds out;
+  if (g.type == Geometry::Type::mesh) {
+    if (const auto& bounds = context.mesh_bounds(g.mesh); bounds && !bounds->empty()) {
+      out.add(bounds->low.cwiseProduct(g.scale));
+      out.add(bounds->high.cwiseProduct(g.scale));
+    }
+  } else if (g.type == Geometry::Type::prism || g.type == Geometry::Type::cone) {
+    const Vec3 half(g.radius, g.radius, 0.5 * g.length);
+    out.add(half);
+    out.add(-half);
+    for (const Vec3& p : g.points) out.add(p);
+  }
+  return out;
+}
+
+/// Moments of the shapes of a link that are seen, or that are touched, for its mass; nullopt: they have
+/// no volume.
+std::optional<Mat3> inertia_of_shapes(Context& context, const RobotLink& link, bool touched) {
+  std::vector<MassProperties> parts;
+  for (const RobotShape& s : link.shapes) {
+    if (touched ? !s.collides : !s.visible) continue;
+    auto part = solid_mass(s.geometry, {}, 1.0);
+    if (const Bounds box = extent(context, s.geometry); !part && !box.empty()) {
+      Geometry whole;
+      whole.size = box.high - box.low;
+      part = solid_mass(whole, {}, 1.0);
+      if (part) part->com = 0.5 * (box.low + box.high);
+    }
+    if (!part) continue;
+    const Mat3 R = s.X.q.toRotationMatrix();
+    parts.push_back({part->mass, s.X * part->com, R * part->inertia * R.transpose()});
+  }
+  if (parts.empty()) return std::nullopt;
+  const MassProperties whole = combine(parts);
+  const Mat3 out = link.inertia->mass / whole.mass * whole.inertia;
+  return out.allFinite() ? std::optional(out) : std::nullopt;
+}
+
+/// A mass that turns without inertia was not thought of: the shapes' inertia takes its place.
+void fill_empty_inertia(Context& context, RobotLink& link) {
+  if (link.inertia->I.cwiseAbs().maxCoeff() > 0.0) return;
+  auto I = inertia_of_shapes(context, link, true);
+  if (!I) I = inertia_of_shapes(context, link, false);
+  if (!I) return;
+  link.inertia->I = *I;
+  context.approximate(
+      link.at, fmt::format("inertia of link '{}'", link.name),
+      fmt::format("is zero: taken as its shapes', as if they were filled, meshes as their boxes: "
+                  "{:.6g}, {:.6g}, {:.6g} kg m^2 about x, y, z",
+                  (*I)(0, 0), (*I)(1, 1), (*I)(2, 2)));
+}
+
+}  // namespace
+
 void repair_inertias(Context& context, RobotModel& robot) {
   for (RobotLink& link : robot.links) {
     if (!link.inertia) continue;
+    fill_empty_inertia(context, link);
     RobotInertia& inertia = *link.inertia;
     Eigen::SelfAdjointEigenSolver<Mat3> solver(0.5 * (inertia.I + inertia.I.transpose()));
     if (solver.info() != Eigen::Success) continue;
@@ -373,9 +467,36 @@ void RobotModel::take_step(Context& context, double seconds, const Source& at) {
     context.left_out(at, "step", fmt::format("{} s is none, which is from 1e-9 to 1 s", seconds));
 }
 
+namespace {
+
+void leave_out_limits(Context& context, RobotJoint& j) {
+  const double none = std::numeric_limits<double>::infinity();
+  if (!j.has_one_axis() || (j.lower == -none && j.upper == none) || j.lower >= j.upper) return;
+  Joint asked;
+  asked.name = j.name;
+  asked.type = j.type == RobotJoint::Type::hinge    ? JointType::hinge
+               : j.type == RobotJoint::Type::slider ? JointType::slider
+                                                    : JointType::screw;
+  asked.pitch = j.pitch;
+  asked.axes.resize(1);
+  asked.axes[0].lower = j.lower;
+  asked.axes[0].upper = j.upper;
+  asked.position = {std::clamp(j.position, j.lower, j.upper)};
+  const std::string reason = context.options.without.limits(asked);
+  if (reason.empty()) return;
+  context.left_out(j.at, fmt::format("limits of joint '{}'", j.name),
+                   fmt::format("{:.6g} to {:.6g} {}: {}", j.lower, j.upper,
+                               j.type == RobotJoint::Type::slider ? "m" : "rad", reason));
+  j.lower = -none;
+  j.upper = none;
+}
+
+}  // namespace
+
 void leave_out_features(Context& context, RobotModel& robot) {
   const ImportWithout& without = context.options.without;
   for (RobotJoint& j : robot.joints) {
+    if (without.limits) leave_out_limits(context, j);
     if (!without.rotor_inertia.empty() && j.rotor_inertia != 0.0) {
       context.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
                        without.rotor_inertia);

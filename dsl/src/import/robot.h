@@ -10,6 +10,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/core/types.h"
+#include "cogrsim/model/mass_properties.h"
 #include "import/context.h"
 #include "values/roll_pitch_yaw.h"
 
@@ -194,6 +195,10 @@ struct RobotModel {
 /// and of which none exceeds the sum of the others. The nearest one in the Frobenius norm is taken;
 /// what changed is reported as approximate.
 void repair_inertias(Context& context, RobotModel& robot);
+/// Of a primitive or ellipsoid that is filled evenly, with this mass, or with this density where none
+/// is given, in its own axes; nullopt: it is another shape, or has no volume.
+std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double> mass,
+                                         double density);
 
 /// Takes away what ImportOptions::without names, and reports it.
 void leave_out_features(Context& context, RobotModel& robot);

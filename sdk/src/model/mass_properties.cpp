@@ -105,24 +105,24 @@ double shape_volume(const Shape& shape, const std::vector<MeshPtr>& meshes) {
 
 Result<MassProperties> shape_mass(const Shape& shape, const std::vector<MeshPtr>& meshes,
                                   double mass) {
+  const std::string name =
+      shape.name.empty() ? std::string() : fmt::format("shape '{}': ", shape.name);
   if (shape.type == ShapeType::plane || shape.type == ShapeType::heightmap) {
-    return fail(fmt::format("shape '{}': a {} has no volume, so it can have no mass", shape.name,
-                            to_string(shape.type)),
-                "", "make the body static, or give the mass to another shape");
+    return fail(
+        fmt::format("{}a {} has no volume, so it can have no mass", name, to_string(shape.type)),
+        "", "make the body static, or give the mass to another shape");
   }
   const Moments m = moments_of(shape, meshes);
   if (m.volume < 0.0) {
-    return fail(fmt::format("shape '{}': the mesh is inside out (its volume is {:.3g} m^3)",
-                            shape.name, m.volume),
+    return fail(fmt::format("{}the mesh is inside out (its volume is {:.3g} m^3)", name, m.volume),
                 "", "its triangles must run counter-clockwise seen from outside");
   }
   if (!std::isfinite(m.volume) || !m.inertia.allFinite()) {
-    return fail(fmt::format("shape '{}': it is too large to compute its mass", shape.name), "",
-                "check the units of its size");
+    return fail(name + "it is too large to compute its mass", "", "check the units of its size");
   }
   if (!(m.volume > 0.0)) {
-    return fail(fmt::format("shape '{}': encloses no volume, so it can have no mass", shape.name),
-                "", "give the body a mass and an inertia of its own");
+    return fail(name + "it encloses no volume, so it can have no mass", "",
+                "give the body a mass and an inertia of its own");
   }
   const Mat3 R_BS = shape.X_BS.q.toRotationMatrix();
   MassProperties out;

@@ -1,6 +1,7 @@
 // Robots and worlds in other formats, as scenes: URDF with xacro and SRDF, MJCF, SDF.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -38,12 +39,15 @@ struct FidelityReport {
 /// Motors that an imported joint gets where the source names none.
 enum class ImportDrives { none, position, torque, velocity };
 
-/// What the scene shall not have, because an engine that shall run it lacks it. Each member is empty,
-/// or the reason, which the report repeats.
+/// What the scene shall not have, because an engine that shall run it lacks it. Each text is empty, or
+/// the reason, which the report repeats.
 struct ImportWithout {
   std::string rotor_inertia;   ///< of joints: zero
   std::string couplings;       ///< of joints: they move freely
   std::string concave_meshes;  ///< of static links: they collide as convex hulls, as all others do
+  /// The reason why a joint with one axis cannot have its limits, by its type, name, axis and position;
+  /// empty: it can. No function: all can.
+  std::function<std::string(const Joint&)> limits;
 };
 
 struct ImportOptions {
