@@ -53,8 +53,7 @@ bool refuses_limits(const std::string& engine, Joint joint, const Loader& loader
   const auto runs = [&] {
     ModelBuilder builder;
     const int ball = builder.sphere("ball", 1.0, 1.0, joint_pose(joint, joint.position.data()));
-    Joint& made = builder.model.joints[static_cast<std::size_t>(
-        builder.joint(joint.name, joint.type, kWorld, ball, Pose()))];
+    Joint& made = builder.model.joints[builder.joint(joint.name, joint.type, kWorld, ball, Pose())];
     made.X_CM = Pose();
     made.pitch = joint.pitch;
     made.axes = joint.axes;
@@ -109,13 +108,12 @@ void print_engines(const SceneModelPtr& model, const Loader& loader) {
 bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) {
   std::vector<int> parent(model.bodies.size(), kWorld);
   for (const Joint& joint : model.joints) {
-    int& of_child = parent[static_cast<std::size_t>(joint.child)];
+    int& of_child = parent[joint.child];
     if (joint.closes_loop || of_child != kWorld) continue;
     of_child = joint.parent;
   }
   const auto root = [&](int body) {
-    while (parent[static_cast<std::size_t>(body)] != kWorld)
-      body = parent[static_cast<std::size_t>(body)];
+    while (parent[body] != kWorld) body = parent[body];
     return body;
   };
   const std::size_t prototype = result.scene.rfind("  </prototype>");
@@ -126,8 +124,8 @@ bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
   std::string pairs;
   for (const geometry::Overlap& o : geometry::find_overlaps(model).pairs) {
     if (root(o.body_a) != root(o.body_b)) continue;
-    const std::string& full_a = model.bodies[static_cast<std::size_t>(o.body_a)].name;
-    const std::string& full_b = model.bodies[static_cast<std::size_t>(o.body_b)].name;
+    const std::string& full_a = model.bodies[o.body_a].name;
+    const std::string& full_b = model.bodies[o.body_b].name;
     const std::string a = full_a.substr(full_a.find('.') + 1);
     const std::string b = full_b.substr(full_b.find('.') + 1);
     pairs += fmt::format("{}<collide between=\"{} {}\" with=\"false\"/>\n",

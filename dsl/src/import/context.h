@@ -24,6 +24,13 @@ struct Bounds {
     high = high.cwiseMax(p);
   }
   bool empty() const { return !(low[0] <= high[0]); }
+  /// Of what these bound, scaled along each axis.
+  Bounds scaled(const Vec3& by) const {
+    Bounds out;
+    out.add(low.cwiseProduct(by));
+    out.add(high.cwiseProduct(by));
+    return out;
+  }
 };
 
 /// Thrown where reading cannot continue; the finding has been reported.

@@ -18,6 +18,11 @@ std::string child_text(const XmlElement& in, const char* tag) {
   return c == nullptr ? "" : c->text;
 }
 
+bool child_is_true(const XmlElement& in, const char* tag, bool otherwise) {
+  const XmlElement* c = in.child(tag);
+  return c == nullptr ? otherwise : c->text == "true" || c->text == "1";
+}
+
 std::optional<double> child_number(Context& context, const XmlElement* in, const char* tag) {
   const XmlElement* c = in == nullptr ? nullptr : in->child(tag);
   if (c == nullptr) return std::nullopt;
@@ -66,8 +71,6 @@ const XmlElement* descend(const XmlElement* e, std::initializer_list<const char*
   return e;
 }
 
-bool is_true(const std::string& text) { return text == "true" || text == "1"; }
-
 class SensorReader {
  public:
   SensorReader(Context& context, const XmlElement& e, const SensorPlace& place)
@@ -82,7 +85,7 @@ class SensorReader {
     if ((kind_ == "force_torque") == place_.joint.empty()) return left_out();
     if (const auto rate = number(&e_, "update_rate"); rate && *rate > 0.0 && std::isfinite(*rate))
       set("rate", fmt::format("{} Hz", *rate));
-    if (is_true(child_text(e_, "visualize"))) set("show", "true");
+    if (child_is_true(e_, "visualize")) set("show", "true");
     const bool depth = is(kDepth);
     if (depth || kind_ == "camera" || kind_ == "segmentation" || kind_ == "segmentation_camera")
       camera(depth);
@@ -98,10 +101,7 @@ class SensorReader {
       return left_out();
     for (const auto& c : e_.children)
       if (c->name == "plugin") report_gazebo_plugin(context_, *c);
-    if (differs_.empty())
-      context_.exact(e_.at, quoted_name(e_));
-    else
-      context_.approximate(e_.at, quoted_name(e_), differs_);
+    context_.exact_unless(e_.at, quoted_name(e_), differs_);
     return std::move(out_);
   }
 
@@ -118,7 +118,7 @@ class SensorReader {
   void set(const char* attribute, std::string value) {
     out_.attributes.emplace_back(attribute, std::move(value));
   }
-  void differ(const std::string& how) { differs_ += (differs_.empty() ? "" : "; ") + how; }
+  void differ(const std::string& how) { add_to(differs_, how); }
 
   std::optional<RobotSensor> left_out() {
     static constexpr std::pair<const char*, const char*> kInstead[] = {
@@ -159,7 +159,7 @@ class SensorReader {
     };
     const double mean = finite("mean"), sigma = std::abs(finite("stddev"));
     std::string out;
-    const auto add = [&](const std::string& term) { out += (out.empty() ? "" : " ") + term; };
+    const auto add = [&](const std::string& term) { add_to(out, term, " "); };
     if (mean != 0.0 || sigma != 0.0)
       add(fmt::format("normal({}{}, {}{})", mean, unit, sigma, unit));
     if (const double bias = finite("bias_mean"); bias != 0.0)
@@ -216,7 +216,7 @@ class SensorReader {
       for (const char* k : {"k1", "k2", "p1", "p2", "k3"}) {
         const double v = number(lens, k).value_or(0.0);
         any |= v != 0.0;
-        text += fmt::format("{}{}", text.empty() ? "" : " ", v);
+        add_to(text, fmt::format("{}", v), " ");
       }
       if (any) {
         set("distortion", text);
@@ -432,9 +432,7 @@ std::vector<RobotDrive> drives_of(Context& context, const XmlElement& plugin,
     drive.at = plugin.at;
     out.push_back(std::move(drive));
   };
-  const auto differ = [&](const std::string& how) {
-    differs += (differs.empty() ? "" : "; ") + how;
-  };
+  const auto differ = [&](const std::string& how) { add_to(differs, how); };
   const auto number = [&](const char* tag) { return child_number(context, &plugin, tag); };
   RobotDrive drive;
   if (system == "diffdrive" || system == "skidsteerdrive" || system == "differentialdrive") {
@@ -451,7 +449,7 @@ std::vector<RobotDrive> drives_of(Context& context, const XmlElement& plugin,
   if (system == "jointpositioncontroller") {
     drive.mode = RobotDrive::Mode::position;
     drive.target = number("initial_position");
-    if (is_true(child_text(plugin, "use_velocity_commands"))) {
+    if (child_is_true(plugin, "use_velocity_commands")) {
       differ("a position motor that takes 50 ms");
     } else {
       // The defaults of Gazebo's controller.
@@ -467,7 +465,7 @@ std::vector<RobotDrive> drives_of(Context& context, const XmlElement& plugin,
   } else if (system == "jointcontroller") {
     drive.mode = RobotDrive::Mode::velocity;
     drive.target = number("initial_velocity");
-    if (is_true(child_text(plugin, "use_force_commands")))
+    if (child_is_true(plugin, "use_force_commands"))
       differ("holds its speed without its gains");
     if (most && *most > 0.0 && std::isfinite(*most)) drive.max_effort = *most;
   } else if (system == "applyjointforce") {

@@ -13,6 +13,8 @@ namespace cogrsim::dsl::import {
 // where its text is none, which is reported
 
 std::string child_text(const XmlElement& in, const char* tag);
+/// `otherwise`: where there is no such child.
+bool child_is_true(const XmlElement& in, const char* tag, bool otherwise = false);
 std::optional<double> child_number(Context& context, const XmlElement* in, const char* tag);
 std::optional<Vec3> child_vector(Context& context, const XmlElement* in, const char* tag);
 /// `<pose>`, without what it is relative to.

@@ -98,10 +98,8 @@ namespace {
 Bounds extent(Context& context, const Geometry& g) {
   Bounds out;
   if (g.type == Geometry::Type::mesh) {
-    if (const auto& bounds = context.mesh_bounds(g.mesh); bounds && !bounds->empty()) {
-      out.add(bounds->low.cwiseProduct(g.scale));
-      out.add(bounds->high.cwiseProduct(g.scale));
-    }
+    if (const auto& bounds = context.mesh_bounds(g.mesh); bounds && !bounds->empty())
+      return bounds->scaled(g.scale);
   } else if (g.type == Geometry::Type::prism || g.type == Geometry::Type::cone) {
     const Vec3 half(g.radius, g.radius, 0.5 * g.length);
     out.add(half);

@@ -64,10 +64,6 @@ class SdfReader {
     const std::string* name = e.find("name");
     return name == nullptr ? "" : *name;
   }
-  static bool is_true(const XmlElement& in, const char* tag, bool otherwise = false) {
-    const XmlElement* c = in.child(tag);
-    return c == nullptr ? otherwise : c->text == "true" || c->text == "1";
-  }
   static std::string text(const XmlElement& in, const char* tag) { return child_text(in, tag); }
   std::optional<double> value(const XmlElement* in, const char* tag) {
     return child_number(context_, in, tag);
@@ -300,8 +296,8 @@ class SdfReader {
              int depth) {
     if (robot_.name.empty()) robot_.name = model_name(e);
     const std::string scope = scope_of(e, outer);
-    flags.is_static = flags.is_static || is_true(e, "static");
-    flags.in_wind = is_true(e, "enable_wind", flags.in_wind);
+    flags.is_static = flags.is_static || child_is_true(e, "static");
+    flags.in_wind = child_is_true(e, "enable_wind", flags.in_wind);
     Names names = names_of(e, scope, depth);
     for (const auto& c : e.children) {
       if (c->name != "link") continue;
@@ -396,7 +392,7 @@ class SdfReader {
     if (const auto angle = value(e.child("spot"), "outer_angle");
         angle && *angle > 0.0 && *angle < kPi)
       out.cone = 0.5 * *angle;
-    out.shadows = is_true(e, "cast_shadows");
+    out.shadows = child_is_true(e, "cast_shadows");
     context_.approximate(e.at, quoted_name(e),
                          std::string("its fading and gloss are the renderer's own") +
                              (moves ? "; it stays where it is at the start" : ""));
@@ -419,7 +415,7 @@ class SdfReader {
     const Pose X_ML = resolve(name_of(e), names, e, 0);
     out.X = X_WM * X_ML;
     out.is_static = flags.is_static;
-    out.in_wind = is_true(e, "enable_wind", flags.in_wind);
+    out.in_wind = child_is_true(e, "enable_wind", flags.in_wind);
     if (robot_.link(out.name) >= 0) {
       context_.error(e.at, "CG1407", fmt::format("a second link '{}'", out.name));
       return;
@@ -683,8 +679,8 @@ class SdfReader {
       if (const XmlElement* xyz = a == nullptr ? nullptr : a->child("xyz"))
         if (const std::string* in = xyz->find("expressed_in"); in != nullptr && !in->empty())
           q = X_WC.q.conjugate() * (X_WM * resolve(*in, names, e, 0)).q;
-      const std::string parent_frame = a == nullptr ? "" : text(*a, "use_parent_model_frame");
-      if (parent_frame == "true" || parent_frame == "1") q = X_WC.q.conjugate() * X_WM.q;
+      if (a != nullptr && child_is_true(*a, "use_parent_model_frame"))
+        q = X_WC.q.conjugate() * X_WM.q;
       return Vec3((q * v).normalized());
     };
     const XmlElement* a = e.child("axis");

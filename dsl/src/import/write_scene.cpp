@@ -5,13 +5,12 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <set>
 #include <unordered_map>
 
 #include "assets/mesh_file.h"
-#include "import/robot.h"
+#include "import/robot_start.h"
 #include "import/scene_text.h"
 #include "syntax/text.h"
 
@@ -23,24 +22,16 @@ namespace {
 
 class SceneWriter {
  public:
-  SceneWriter(Context& context, const RobotModel& robot) : context_(context), robot_(robot) {}
+  SceneWriter(Context& context, const RobotModel& robot)
+      : context_(context), robot_(robot), start_(context, robot) {}
 
   void write() {
-    find_couplings();
-    inboard_.assign(robot_.links.size(), nullptr);
-    for (const RobotJoint& j : robot_.joints) inboard_[j.child] = &j;
-    poses_ =
-        find_poses([this](const RobotJoint& j) { return travel(j, start_in_scene(j), j.turn); });
-    zero_poses_ = find_poses([](const RobotJoint&) { return Pose(); });
-    for (std::size_t i = 0; i < poses_.size(); ++i)
-      starts_moved_ |= (poses_[i].p - zero_poses_[i].p).norm() > 1e-9 ||
-                       poses_[i].q.angularDistance(zero_poses_[i].q) > 1e-9;
     std::string body;
     body_ = &body;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
     for (const RobotJoint& j : robot_.joints) joint(j);
     for (const RobotJoint& j : robot_.loops)
-      if (closes(j)) joint(j);
+      if (start_.closes(j)) joint(j);
     couplings();
     drives();
     springs();
@@ -98,92 +89,6 @@ class SceneWriter {
   }
 
  private:
-  /// The joint nearest above a link that a coupling moves at the start, or null.
-  const RobotJoint* coupled_above(int link) const {
-    while (link >= 0) {
-      const RobotJoint* const j = inboard_[link];
-      if (j == nullptr) return nullptr;
-      const auto start = coupled_starts_.find(j);
-      if (start != coupled_starts_.end() && start->second != 0.0) return j;
-      link = j->parent;
-    }
-    return nullptr;
-  }
-
-  /// Whether a loop has an effect, and is closed where the robot starts: a loop is defined at the
-  /// joints' zeros, which limits may exclude.
-  bool closes(const RobotJoint& j) {
-    if (j.parent == j.child || (robot_.stands(j.parent) && robot_.stands(j.child))) {
-      context_.left_out(j.at, fmt::format("loop '{}'", j.name), "joins what does not move");
-      return false;
-    }
-    if (!coupled_starts_.empty() && coupled_above(j.parent) != coupled_above(j.child)) {
-      context_.left_out(j.at, fmt::format("loop '{}'", j.name),
-                        "a coupling with an offset moves a joint of it at the start");
-      return false;
-    }
-    // A loop's first joint hangs a free tree up, which then moves about it.
-    const auto end = [&](int link) {
-      while (link >= 0 && inboard_[link] != nullptr) link = inboard_[link]->parent;
-      for (auto on = hung_.find(link); on != hung_.end(); on = hung_.find(link)) link = on->second;
-      return robot_.stands(link) ? -1 : link;
-    };
-    const int a = end(j.parent), b = end(j.child);
-    if (a != b) {
-      hung_[std::max(a, b)] = std::min(a, b);
-    } else if (!hung_.empty() && starts_moved_) {
-      context_.left_out(j.at, fmt::format("loop '{}'", j.name),
-                        "another one holds the robot, whose joints do not start at their zeros");
-      return false;
-    }
-    if (j.parent < 0) return true;
-    const auto parent = static_cast<std::size_t>(j.parent),
-               child = static_cast<std::size_t>(j.child);
-    const Vec3 in_parent = zero_poses_[parent].inverse() * (zero_poses_[child] * j.anchor);
-    const double gap = (poses_[parent] * in_parent - poses_[child] * j.anchor).norm();
-    if (gap < 1e-4) return true;
-    context_.left_out(j.at, fmt::format("loop '{}'", j.name),
-                      fmt::format("is open by {:.3g} m at the start, which is not at the joints' "
-                                  "zeros",
-                                  gap));
-    return false;
-  }
-
-  /// Poses of all links in the robot's frame, with the joints moved from their zeros by this.
-  std::vector<Pose> find_poses(const std::function<Pose(const RobotJoint&)>& moved_by) const {
-    std::vector<Pose> out;
-    for (const RobotLink& l : robot_.links) out.push_back(l.X);
-    std::vector<bool> known(robot_.links.size(), true);
-    for (const RobotJoint& j : robot_.joints) known[j.child] = false;
-    bool moved = true;
-    while (moved) {
-      moved = false;
-      for (const RobotJoint& j : robot_.joints) {
-        const auto child = static_cast<std::size_t>(j.child);
-        if (known[child] || (j.parent >= 0 && !known[j.parent])) continue;
-        const Pose parent = j.parent < 0 ? Pose() : out[j.parent];
-        out[child] = parent * j.X_PC * moved_by(j);
-        known[child] = true;
-        moved = true;
-      }
-    }
-    return out;
-  }
-
-  static Pose travel(const RobotJoint& j, double q, const Quat& turn_of_ball) {
-    using Type = RobotJoint::Type;
-    if (j.type == Type::hinge) {
-      const Quat turn(Eigen::AngleAxisd(q, j.axis));
-      return {j.anchor - turn * j.anchor, turn};
-    }
-    if (j.type == Type::slider) return {q * j.axis, Quat::Identity()};
-    if (j.type == Type::ball) return {j.anchor - turn_of_ball * j.anchor, turn_of_ball};
-    return {};
-  }
-
-  /// Where it starts: its position, or the limit nearest to it.
-  static double start_of(const RobotJoint& j) { return std::clamp(j.position, j.lower, j.upper); }
-
   void link(std::size_t index) {
     const RobotLink& l = robot_.links[index];
     std::string& out = *body_;
@@ -224,7 +129,7 @@ class SceneWriter {
         s.spinning_friction = std::max(s.spinning_friction, o.spinning_friction);
         break;
       }
-      inner += shape(l, s, poses_[index]);
+      inner += shape(l, s, start_.poses()[index]);
     }
     for (const RobotFrame& f : l.frames)
       inner += fmt::format("      <frame name=\"{}\"{}/>\n", f.name, pose_text(f.X));
@@ -434,10 +339,7 @@ class SceneWriter {
           bounds ? "its name has characters that a scene does not take" : bounds.error().message);
       return "";
     }
-    Bounds scaled;
-    scaled.add(bounds->low.cwiseProduct(g.scale));
-    scaled.add(bounds->high.cwiseProduct(g.scale));
-    extend(s, X, scaled);
+    extend(s, X, bounds->scaled(g.scale));
     return known->second;
   }
 
@@ -523,8 +425,8 @@ class SceneWriter {
       if (std::isfinite(j.max_speed))
         out += fmt::format(" max-speed=\"{} {}/s\"", j.max_speed, unit);
       // A joint that follows others starts where they put it; a zero beyond its limits is an error.
-      const bool follows = coupled_starts_.count(&j) != 0;
-      const double start = follows ? std::clamp(start_in_scene(j), j.lower, j.upper) : start_of(j);
+      const bool follows = start_.follows(j);
+      const double start = std::clamp(start_.position(j), j.lower, j.upper);
       if (follows ? j.lower > 0.0 || j.upper < 0.0 : start != 0.0)
         out += fmt::format(" position=\"{} {}\"", start, unit);
       if (!follows && start != j.position)
@@ -547,68 +449,6 @@ class SceneWriter {
                         fmt::format("a {} joint has none here", tag));
   }
 
-  /// Finds which couplings the scene can have, and where they put their joints at the start: a joint
-  /// that others follow before those. What is left over follows a circle.
-  void find_couplings() {
-    std::unordered_map<std::string, const RobotJoint*> named;
-    for (const RobotJoint& j : robot_.joints) named.emplace(j.name, &j);
-    std::unordered_map<const RobotJoint*, std::vector<const RobotJoint*>> followers;
-    std::unordered_map<const RobotJoint*, std::size_t> waits_for;
-    std::vector<const RobotJoint*> ready;
-    for (const RobotJoint& j : robot_.joints) {
-      if (!j.coupling) {
-        ready.push_back(&j);
-        continue;
-      }
-      for (const RobotCoupling::Term& t : j.coupling->terms)
-        followers[named.at(t.joint)].push_back(&j);
-      waits_for[&j] = j.coupling->terms.size();
-    }
-    for (std::size_t i = 0; i < ready.size(); ++i) {
-      if (ready[i]->coupling) couple(*ready[i], named);
-      for (const RobotJoint* const j : followers[ready[i]])
-        if (--waits_for[j] == 0) ready.push_back(j);
-    }
-    for (const RobotJoint& j : robot_.joints)
-      if (waits_for[&j] > 0)
-        uncoupled_[&j] = j.coupling->terms.size() == 1 && j.coupling->terms[0].joint == j.name
-                             ? "it is coupled to itself"
-                             : "the couplings form a circle";
-  }
-
-  void couple(const RobotJoint& j,
-              const std::unordered_map<std::string, const RobotJoint*>& named) {
-    constexpr double kOff = 1e-6;
-    double start = j.coupling->offset;
-    bool one_axis = j.has_one_axis();
-    for (const RobotCoupling::Term& t : j.coupling->terms) {
-      const RobotJoint& other = *named.at(t.joint);
-      start += t.ratio * start_in_scene(other);
-      one_axis = one_axis && other.has_one_axis();
-    }
-    std::string& why = uncoupled_[&j];
-    if (!one_axis) {
-      why = "only joints with one axis are coupled";
-    } else if (!std::isfinite(start)) {
-      why = "it would start at infinity";
-    } else if (start < j.lower - kOff || start > j.upper + kOff) {
-      why = fmt::format("it would start at {}, beyond its limits", start);
-    } else {
-      uncoupled_.erase(&j);
-      if (j.position != 0.0 && std::abs(start - j.position) > kOff)
-        context_.approximate(
-            j.at, fmt::format("joint '{}'", j.name),
-            fmt::format("its coupling puts it at {} at the start, not at {}", start, j.position));
-      coupled_starts_.emplace(&j, start);
-      coupled_.push_back(&j);
-    }
-  }
-
-  double start_in_scene(const RobotJoint& j) const {
-    const auto found = coupled_starts_.find(&j);
-    return found == coupled_starts_.end() ? start_of(j) : found->second;
-  }
-
   static std::string leaders(const RobotCoupling& coupling, const char* between) {
     std::string out;
     for (const RobotCoupling::Term& t : coupling.terms) add_to(out, t.joint, between);
@@ -617,13 +457,13 @@ class SceneWriter {
 
   void couplings() {
     for (const RobotJoint& j : robot_.joints) {
-      const auto why = uncoupled_.find(&j);
-      if (why == uncoupled_.end()) continue;
+      const auto why = start_.uncoupled().find(&j);
+      if (why == start_.uncoupled().end()) continue;
       context_.left_out(
           j.at, fmt::format("coupling of joint '{}' to '{}'", j.name, leaders(*j.coupling, "', '")),
           why->second + ": the joint moves freely");
     }
-    for (const RobotJoint* j : coupled_) {
+    for (const RobotJoint* j : start_.coupled()) {
       const RobotCoupling& coupling = *j->coupling;
       *body_ += fmt::format("    <couple joint=\"{}\" to=\"{}\"", j->name, leaders(coupling, " "));
       std::string ratios;
@@ -674,7 +514,7 @@ class SceneWriter {
                          mode, bound, target);
     };
     std::set<std::string> moved;
-    for (const RobotJoint* j : coupled_) moved.insert(j->name);
+    for (const RobotJoint* j : start_.coupled()) moved.insert(j->name);
     for (const RobotDrive& d : robot_.drives) {
       const int j = robot_.joint(d.joint);
       if (j < 0) continue;
@@ -712,8 +552,7 @@ class SceneWriter {
     std::unordered_map<std::string, std::pair<std::size_t, const RobotFrame*>> frames;
     for (std::size_t i = 0; i < robot_.links.size(); ++i)
       for (const RobotFrame& f : robot_.links[i].frames) frames[f.name] = {i, &f};
-    const std::vector<Pose> rest =
-        find_poses([](const RobotJoint& j) { return travel(j, j.rest, Quat::Identity()); });
+    const std::vector<Pose> rest = start_.poses_at_rest();
     for (const RobotSpring& s : robot_.springs) {
       const auto& [a, at_a] = frames.at(s.ends[0]);
       const auto& [b, at_b] = frames.at(s.ends[1]);
@@ -764,7 +603,7 @@ class SceneWriter {
       for (const RobotShape& s : robot_.links[i].shapes) {
         if (i == but || !s.visible) continue;
         const Geometry& g = s.geometry;
-        const Vec3 x = (poses_[i] * s.X).inverse() * p;
+        const Vec3 x = (start_.poses()[i] * s.X).inverse() * p;
         const double r = std::hypot(x[0], x[1]), h = std::abs(x[2]);
         if (g.type == Type::sphere && x.norm() < g.radius) return true;
         if (g.type == Type::plane && x[2] < 0.0) return true;
@@ -779,7 +618,7 @@ class SceneWriter {
   void sensor(const RobotLink& l, const RobotSensor& s) {
     std::string& out = *body_;
     const auto own = static_cast<std::size_t>(&l - robot_.links.data());
-    const Vec3 p = poses_[own] * s.X.p;
+    const Vec3 p = start_.poses()[own] * s.X.p;
     const bool below_floor =
         context_.options.floor && !robot_.has_ground && !extent_.empty() && p[2] < extent_.low[2];
     if (s.element == "camera" && (below_floor || is_inside(p, own))) {
@@ -800,14 +639,8 @@ class SceneWriter {
 
   Context& context_;
   const RobotModel& robot_;
+  RobotStart start_;
   std::string* body_ = nullptr;
-  std::map<const RobotJoint*, double> coupled_starts_;  // of joints that follow others
-  std::map<const RobotJoint*, std::string> uncoupled_;  // whose coupling is left out, and why
-  std::vector<const RobotJoint*> coupled_;              // a joint before those that follow it
-  std::vector<const RobotJoint*> inboard_;              // of each link
-  std::vector<Pose> poses_, zero_poses_;
-  bool starts_moved_ = false;  // joints away from their zeros
-  std::map<int, int> hung_;    // the root of a free tree, and what a loop's joint hangs it on
   Bounds extent_;
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
