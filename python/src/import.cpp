@@ -87,10 +87,12 @@ void write(const fs::path& to, OutputKind kind, const std::string& text,
   }
 }
 
+std::string name_of(const dsl::ImportResult& model) { return "ImportedModel " + model.format; }
+std::string name_of(const dsl::ExportResult&) { return "ExportedModel"; }
+
 /// What imported and exported models have alike.
 template <class Model>
-void bind_conversion(py::class_<Model, std::shared_ptr<Model>>& type, const std::string& name,
-                     const char* order) {
+void bind_conversion(py::class_<Model, std::shared_ptr<Model>>& type, const char* order) {
   type.def_readonly("report", &Model::entries, order)
       .def_property_readonly(
           "files",
@@ -110,9 +112,9 @@ void bind_conversion(py::class_<Model, std::shared_ptr<Model>>& type, const std:
             raise_unknown("fidelity", fidelity, {"exact", "approximate", "left out"});
           },
           py::arg("fidelity"), "Number of elements that are 'exact', 'approximate' or 'left out'.")
-      .def("__repr__", [name](const Model& m) {
-        return "<" + name + ": " + std::to_string(m.count(dsl::Fidelity::exact)) + " exact, " +
-               std::to_string(m.count(dsl::Fidelity::approximate)) + " approximate, " +
+      .def("__repr__", [](const Model& m) {
+        return "<" + name_of(m) + ": " + std::to_string(m.count(dsl::Fidelity::exact)) +
+               " exact, " + std::to_string(m.count(dsl::Fidelity::approximate)) + " approximate, " +
                std::to_string(m.count(dsl::Fidelity::left_out)) + " left out>";
       });
 }
@@ -147,7 +149,7 @@ void bind_import(py::module_& m) {
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write the scene to a file, and the files that belong beside it.");
-  bind_conversion(imported, "ImportedModel", "list of ImportEntry, in the order of the source");
+  bind_conversion(imported, "list of ImportEntry, in the order of the source");
   py::class_<dsl::ExportResult, std::shared_ptr<dsl::ExportResult>> exported(
       m, "ExportedModel", "A scene, or one assembly of it, in another format.");
   exported.def_readonly("text", &dsl::ExportResult::text, "The file, XML")
@@ -158,7 +160,7 @@ void bind_import(py::module_& m) {
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write the text to a file, and the meshes into a folder beside it.");
-  bind_conversion(exported, "ExportedModel", "list of ImportEntry, in the order of the scene");
+  bind_conversion(exported, "list of ImportEntry, in the order of the scene");
   m.def("import_model", &import_model, py::arg("path"), py::kw_only(),
         py::arg("packages") = std::map<std::string, py::object>(),
         py::arg("arguments") = std::map<std::string, std::string>(), py::arg("drives") = "none",
