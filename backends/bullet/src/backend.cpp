@@ -64,10 +64,9 @@ Capabilities make_capabilities() {
           "a spring for each contact point, its sag 5 % off");
   out.set("contact.surface-velocity", Support::approximate,
           "by contactMotion, with two directions of friction in the whole scene");
-  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
-    out.set(feature, Support::approximate,
-            "bounded about each axis by itself, and by an impulse of 1 N s a step; not with the "
-            "solvers dantzig, lemke and projected-gauss-seidel");
+  out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
+              "bounded about each axis by itself, and by an impulse of 1 N s a step; not with the "
+              "solvers dantzig, lemke and projected-gauss-seidel");
   out.set("runtime.attach", Support::approximate,
           "the joint acts from the next step on, and keeps momentum to 4e-5 kg m^2/s in 0.5 s");
   out.set("runtime.body_kind", Support::approximate,
@@ -110,7 +109,7 @@ Provenance BulletBackend::provenance(const Parameters& complete) const {
       {"dantzig", "btMLCPSolver, btDantzigSolver"},
       {"lemke", "btMLCPSolver, btLemkeSolver"},
       {"projected-gauss-seidel", "btMLCPSolver, btSolveProjectedGaussSeidel"}};
-  const std::string solver = solvers.at(option<std::string>(complete, "solver"));
+  const std::string& solver = solvers.at(option<std::string>(complete, "solver"));
   Provenance out;
   out.engine = "Bullet Physics";
   out.solver = solver;

@@ -52,12 +52,11 @@ Capabilities make_capabilities() {
   }
   for (const char* mode : {"velocity", "torque", "position", "servo", "dc"})
     c.set(std::string("motor.") + mode, Support::exact);
-  for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "joint.coupling",
-        "joint.coupling-effort", "runtime.add", "runtime.remove", "runtime.save",
-        "runtime.set_state", "runtime.attach", "runtime.body_kind", "runtime.joint_axes",
-        "report.contact_force", "report.joint_reaction", "report.joint_effort"})
-    c.set(feature, Support::exact);
+  c.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "joint.coupling",
+             "joint.coupling-effort", "runtime.add", "runtime.remove", "runtime.save",
+             "runtime.set_state", "runtime.attach", "runtime.body_kind", "runtime.joint_axes",
+             "report.contact_force", "report.joint_reaction", "report.joint_effort"},
+            Support::exact);
   for (const char* what :
        {"stiffness", "rolling-friction", "spinning-friction", "surface-velocity"})
     c.set(std::string("contact.") + what, Support::exact);

@@ -57,9 +57,8 @@ Capabilities make_capabilities() {
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
   out.set("contact.surface-velocity", Support::unsupported,
           "MuJoCo 2.2 has no velocity of surfaces; use a kinematic body");
-  for (const char* feature : {"contact.rolling-friction", "contact.spinning-friction"})
-    out.set(feature, Support::approximate,
-            "one pyramid with sliding; slides slowly, as friction does");
+  out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
+              "one pyramid with sliding; slides slowly, as friction does");
   out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
                "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
                "report.contact_force", "report.joint_effort"},

@@ -42,14 +42,7 @@ const char* pair_note(ShapeType a, ShapeType b) {
 Capabilities make_capabilities() {
   Capabilities out;
   set_shape_features(out);
-  for (const ShapeType a : kShapeTypes) {
-    for (const ShapeType b : kShapeTypes) {
-      if (is_surface(a) && is_surface(b)) continue;
-      if (const char* note = pair_note(a, b)) {
-        out.set(pair_feature(a, b), Support::approximate, note);
-      }
-    }
-  }
+  set_pair_notes(out, pair_note);
   set_joint_features(out);
   const auto set = [&](const std::string& joint, std::initializer_list<const char*> parts,
                        Support support, const char* note) {
@@ -78,12 +71,10 @@ Capabilities make_capabilities() {
     set(to_string(type), {"joint.limit."}, differs,
         "ODE's stops act once they are passed and give back erp (0.2) of the speed");
   }
-  for (const char* feature :
-       {"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-        "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
-        "report.joint_reaction", "report.joint_effort"}) {
-    out.set(feature, Support::exact);
-  }
+  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
+               "report.joint_reaction", "report.joint_effort"},
+              Support::exact);
   out.set("contact.stiffness", differs, "a spring and damper for each point of contact");
   out.set("contact.surface-velocity", differs, "friction is a pyramid along and across it");
   out.set("contact.rolling-friction", differs, "bounded about each of two axes by itself");

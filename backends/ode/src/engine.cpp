@@ -27,9 +27,8 @@ Engine::Engine(const SceneModelPtr& model, const Options& options)
   dWorldSetCFM(world_, options.cfm);
   dWorldSetQuickStepNumIterations(world_, options.iterations);
   dWorldSetQuickStepW(world_, options.sor);
-  if (options.contact_max_correcting_velocity > 0.0) {
+  if (options.contact_max_correcting_velocity > 0.0)
     dWorldSetContactMaxCorrectingVel(world_, options.contact_max_correcting_velocity);
-  }
   dWorldSetContactSurfaceLayer(world_, options.contact_surface_layer);
   dWorldSetAutoDisableFlag(world_, 0);
   bodies_.resize(model->bodies.size());
@@ -79,9 +78,8 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
   }
   for (std::size_t b = 0; b < model->bodies.size(); ++b) {
     if (out->bodies_[b].exists()) out->bodies_[b].set_pose(model->bodies[b].X_WB);
-    if (auto added = out->add_geoms(b, poses[b], shapes); !added) {
+    if (auto added = out->add_geoms(b, poses[b], shapes); !added)
       return tl::unexpected(added.error());
-    }
   }
   return out;
 }
@@ -225,9 +223,8 @@ void Engine::near(const Geom& a, const Geom& b) {
   for (int i = 0; i < count; ++i) {
     dContact& contact = found[i];
     // Without a direction no contact can be made: libccd gives none where two just touch.
-    if (contact.geom.normal[0] == 0 && contact.geom.normal[1] == 0 && contact.geom.normal[2] == 0) {
+    if (contact.geom.normal[0] == 0 && contact.geom.normal[1] == 0 && contact.geom.normal[2] == 0)
       continue;
-    }
     contact.surface = surfaces_[pair];
     if (stiffness_[pair] > 0.0) soften(contact.surface, pair, a, b);
     set_motion(contact, a, b);
@@ -294,9 +291,7 @@ std::vector<int> Engine::order() const {
 void Engine::set_order(const std::vector<int>& order) {
   // ODE puts what is added in front.
   for (const Geom& geom : geoms_) dSpaceRemove(space_, geom.id);
-  for (auto i = order.rbegin(); i != order.rend(); ++i) {
-    dSpaceAdd(space_, geoms_[*i].id);
-  }
+  for (auto i = order.rbegin(); i != order.rend(); ++i) dSpaceAdd(space_, geoms_[*i].id);
 }
 
 }  // namespace cogrsim::ode

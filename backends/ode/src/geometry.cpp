@@ -24,9 +24,8 @@ void copy_mesh(const TriangleMesh& mesh, Triangles& out) {
 std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
   auto out = std::make_shared<Hull>();
   // ODE wants the origin inside.
-  for (const Vec3& v : faces.vertices) {
+  for (const Vec3& v : faces.vertices)
     out->middle += v / static_cast<double>(faces.vertices.size());
-  }
   for (const Vec3& v : faces.vertices) {
     const Vec3 p = v - out->middle;
     out->points.insert(out->points.end(), p.data(), p.data() + 3);
@@ -48,9 +47,8 @@ std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
                                  [&](const int& a, const int& b) { return spans(a) < spans(b); }),
                 corners.end());
     double d = 0.0;
-    for (const int c : corners) {
+    for (const int c : corners)
       d = std::max(d, faces.normals[f].dot(faces.vertices[c] - out->middle));
-    }
     out->planes.insert(out->planes.end(), faces.normals[f].data(), faces.normals[f].data() + 3);
     out->planes.push_back(d);
     out->polygons.push_back(static_cast<unsigned>(corners.size()));

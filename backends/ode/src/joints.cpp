@@ -50,7 +50,7 @@ bool has_motors(JointType type) {
 // Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
 // stops of which one is beyond that, else where the scene's is.
 double zero_between_stops(const Joint& joint, int axis) {
-  const JointAxis& stops = joint.axes[static_cast<std::size_t>(axis)];
+  const JointAxis& stops = joint.axes[axis];
   if (!axis_turns(joint.type, axis) || !std::isfinite(stops.lower) || !std::isfinite(stops.upper) ||
       (stops.lower > -kPi && stops.upper < kPi)) {
     return 0.0;
@@ -332,9 +332,8 @@ void JointLink::velocities(const double* q, double* u) const {
 }
 
 Vec3 JointLink::direction(int speed, const Pose& X_WF, const Pose& X_WM) const {
-  if (joint_->type == JointType::universal) {
+  if (joint_->type == JointType::universal)
     return speed == 0 ? Vec3(X_WF.q * Vec3::UnitX()) : Vec3(X_WM.q * Vec3::UnitY());
-  }
   if (joint_->type == JointType::planar) return X_WF.q * Vec3::Unit(speed);
   return (sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitZ();
 }

@@ -95,9 +95,8 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   try {
     prepare_thread();
     const Joint* joint = now_.model->joints.data();
-    for (JointLink& link : engine_->joints()) {
+    for (JointLink& link : engine_->joints())
       link.drive(dt, drives, now_.q.data() + (joint++)->position_offset);
-    }
     for (std::size_t b = 0; b < external_.size(); ++b) engine_->body(b).push(external_[b]);
     engine_->step(dt, now_.seed);
   } catch (const EngineError& error) {
@@ -118,9 +117,8 @@ StepResult OdeWorld::step(double dt, const std::vector<Drive>& drives) {
   // Turns are counted by looking often enough.
   if (now_.q.empty()) return {};
   double fastest = 0.0;
-  for (const Motion& m : now_.motions) {
+  for (const Motion& m : now_.motions)
     fastest = std::max(fastest, m.w[0] * m.w[0] + m.w[1] * m.w[1] + m.w[2] * m.w[2]);
-  }
   now_.turned += 2.0 * dt * std::sqrt(fastest);
   if (now_.turned > 0.5 * kPi) update_joints();
   return {};

@@ -90,9 +90,8 @@ Result<> OdeWorld::restore(const SnapshotPtr& snapshot) {
   const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
   if (saved == nullptr) return fail("the snapshot was not made by the ode backend");
   const SceneModelPtr& model = saved->progress.model;
-  if (model != now_.model && !same_names(*saved->initial, *initial_)) {
+  if (model != now_.model && !same_names(*saved->initial, *initial_))
     return fail("the snapshot is of another scene: '" + model->name + "'");
-  }
   if (model != now_.model || !engine_) {
     shapes_ = {};
     if (auto built = rebuild(saved->progress); !built) return built;

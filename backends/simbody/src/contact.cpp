@@ -57,8 +57,7 @@ SimTK::SpatialVec GeneralContact::push(const dynamics::ContactPoint& point) cons
   const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * apart);
   if (point.gap >= 0.0 || f <= 0.0) return SimTK::SpatialVec(SimTK::Vec3(0));
   const SimTK::Vec3 slip = v - apart * n + to_simtk(detector_.surface_velocity(point));
-  // mu f min(s / v_t, 1) along slip / s, s its size; nothing is divided by zero.
-  // Against a speed or spin; divided by no zero.
+  // Against a speed or spin s: bound f min(s / v_t, 1) along s / |s|; nothing is divided by zero.
   const auto resist = [&](double bound, const SimTK::Vec3& rate) {
     return -bound * f / std::max(rate.norm(), options_.transition_velocity) * rate;
   };
@@ -112,7 +111,7 @@ const std::vector<Contact>& GeneralContact::read(const SimTK::State& state) cons
 }
 
 void ContactReport::add(const std::vector<Contact>& now, double h) {
-  for (const std::vector<Contact>* part : {&std::as_const(last_), &now}) {
+  for (const std::vector<Contact>* part : {&std::as_const(last_), &now})
     for (const Contact& contact : *part) {
       const auto [first, end] = std::equal_range(sums_.begin(), sums_.end(), contact, comes_before);
       auto sum = std::find_if(first, end, [&](const Contact& old) {
@@ -127,7 +126,6 @@ void ContactReport::add(const std::vector<Contact>& now, double h) {
       sum->normal = contact.normal;
       sum->depth = contact.depth;
     }
-  }
   last_ = now;
 }
 

@@ -7,10 +7,9 @@ namespace cogrsim::simbody {
 
 Drives::Drives(Mechanism& mechanism) : mechanism_(mechanism) {
   const SceneModel& model = mechanism.model();
-  for (std::size_t m = 0; m < model.motors.size(); ++m) {
-    const Motor& motor = model.motors[m];
-    if (!motor.removed) add(mechanism, motor.joint, motor.axis, int(m), 0.0);
-  }
+  for (const Motor& motor : model.motors)
+    if (!motor.removed)
+      add(mechanism, motor.joint, motor.axis, int(&motor - model.motors.data()), 0.0);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     if (joint.removed || joint.axes.empty()) continue;

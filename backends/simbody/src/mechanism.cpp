@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::simbody {
 
@@ -206,8 +207,8 @@ void Mechanism::weld_slaves() {
       if (each.tree == std::max(tree, other)) each.tree = std::min(tree, other);
     if (held_by(whole) == held_by(int(&link - links_.data()))) continue;
     SimTK::MobilizedBody master = links_[whole].mobod, slave = link.mobod;
-    SimTK::Constraint::Weld(master, slave);
     has_loops_ = true;
+    SimTK::Constraint::Weld(master, slave);
   }
 }
 
@@ -256,10 +257,9 @@ void Mechanism::add_axes(const Joint& joint, const Link& link) {
     if (axis.stiffness > 0.0)
       SimTK::Force::MobilityLinearSpring(forces, link.mobod, q, axis.stiffness, axis.rest);
     made.stops = axis.has_limit();
-    if (made.stops) {
+    if (made.stops)
       made.stop =
           SimTK::Force::MobilityLinearStop(forces, link.mobod, q, 0.0, 0.0, axis.lower, axis.upper);
-    }
     if (made.stops || axis.damping > 0.0 || axis.stiffness > 0.0) axes_.push_back(made);
   }
 }
@@ -280,17 +280,7 @@ SimTK::State Mechanism::realize_topology() {
     axis.u += link.u;
   }
   set_stops(state);
-  for (const Link& link : links_) {
-    if (link.joint < 0) {
-      const Body& body = model_->bodies[link.body];
-      set_base(state, link, body.X_WB, body.V_WB);
-    } else {
-      const Joint& joint = model_->joints[link.joint];
-      set_joint(state, link, joint.position.data(), joint.velocity.data());
-    }
-  }
-  set_rates(state);
-  project(state);
+  set_all(state, initial_state(*model_));
   return state;
 }
 
@@ -348,6 +338,20 @@ void Mechanism::get_joint(const SimTK::State& state, const Link& link, double* q
   const SimTK::Vector &all_q = state.getQ(), &all_u = state.getU();
   for (int k = 0; k < link.nq; ++k) q[k] = all_q[link.q + link.q_map[k]];
   for (int k = 0; k < link.nu; ++k) u[k] = all_u[link.u + link.u_map[k]];
+}
+
+void Mechanism::set_all(SimTK::State& state, const WorldState& from) const {
+  for (const Link& link : links_) {
+    if (link.joint < 0) {
+      set_base(state, link, from.poses[link.body], from.twists[link.body]);
+      continue;
+    }
+    const Joint& joint = model_->joints[link.joint];
+    set_joint(state, link, from.joint_positions.data() + joint.position_offset,
+              from.joint_velocities.data() + joint.speed_offset);
+  }
+  set_rates(state);
+  project(state);
 }
 
 void Mechanism::set_rates(SimTK::State& state) const {

@@ -9,6 +9,7 @@
 #include "options.h"
 
 #include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/state.h"
 
 namespace cogrsim::simbody {
 
@@ -51,7 +52,6 @@ class Mechanism {
   SimTK::GeneralForceSubsystem forces{system};
 
   const SceneModel& model() const { return *model_; }
-  const SceneModelPtr& model_ptr() const { return model_; }
   const std::vector<Pose>& places() const { return places_; }
   const std::vector<Link>& links() const { return links_; }
   /// -1: the ground.
@@ -73,6 +73,8 @@ class Mechanism {
   void set_base(SimTK::State& state, const Link& link, const Pose& X_WB, const Twist& V_WB) const;
   void set_joint(SimTK::State& state, const Link& link, const double* q, const double* u) const;
   void get_joint(const SimTK::State& state, const Link& link, double* q, double* u) const;
+  /// All coordinates and speeds, then project().
+  void set_all(SimTK::State& state, const WorldState& from) const;
   /// Kinematic bodies move with the speeds that the state has.
   void set_rates(SimTK::State& state) const;
 

@@ -15,11 +15,10 @@ using Made = std::unique_ptr<SimTK::Integrator>;
 
 template <class Method>
 Made make(const SimTK::System& system, double step) {
-  if constexpr (std::is_same_v<Method, SimTK::SemiExplicitEulerIntegrator>) {
+  if constexpr (std::is_same_v<Method, SimTK::SemiExplicitEulerIntegrator>)
     return std::make_unique<Method>(system, step);
-  } else {
+  else
     return std::make_unique<Method>(system);
-  }
 }
 
 struct Method {
@@ -119,11 +118,7 @@ std::unique_ptr<SimTK::Integrator> make_integrator(const Options& options,
   const double step = substeps > 0 ? dt / substeps : dt;
   auto out = find_method(options.integrator).make(system, step);
   out->setAccuracy(options.accuracy);
-  if (substeps > 0) {
-    out->setFixedStepSize(step);
-  } else {
-    out->setMaximumStepSize(step);
-  }
+  substeps > 0 ? out->setFixedStepSize(step) : out->setMaximumStepSize(step);
   return out;
 }
 

@@ -47,20 +47,18 @@ TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
   contact_.setTransitionVelocity(options.transition_velocity);
   const SceneModel& model = mechanism.model();
   const int materials = int(model.materials.size());
-  for (int a = 0; a < materials; ++a) {
-    for (int b = a; b < materials; ++b) {
-      const SurfacePair pair = surface_pair(model, a, b);
-      if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0)
+  for (int a = 0; a < materials; ++a)
+    for (int b = a; b < materials; ++b)
+      if (const SurfacePair pair = surface_pair(model, a, b);
+          pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0)
         throw std::runtime_error("it has no rolling or spinning friction; contact=\"general\" has");
-    }
-  }
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
     for (std::size_t i = 0; i < body.shapes.size() && !body.removed; ++i)
       if (body.shapes[i].collides) add(mechanism, options, int(b), int(i));
   }
   const CollisionFilter filter(model);
-  for (const Surface& a : surfaces_) {
+  for (const Surface& a : surfaces_)
     for (const Surface& b : surfaces_) {
       if (a.body >= b.body || a.mobod == b.mobod) continue;
       if (!filter.collide(a.body, b.body)) {
@@ -80,7 +78,6 @@ TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
                                  "; contact=\"general\" has all shapes");
       }
     }
-  }
 }
 
 void TrackerContact::add(Mechanism& mechanism, const Options& options, int body, int index) {

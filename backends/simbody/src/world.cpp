@@ -44,9 +44,7 @@ SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& o
 
 SimbodyWorld::SimbodyWorld(SceneModelPtr model, const Options& options)
     : initial_(std::move(model)), options_(options) {
-  auto places = std::make_shared<std::vector<Pose>>();
-  for (const Body& body : initial_->bodies) places->push_back(body.X_WB);
-  initial_places_ = std::move(places);
+  initial_places_ = std::make_shared<const std::vector<Pose>>(initial_state(*initial_).poses);
   start();
 }
 
@@ -196,9 +194,9 @@ int SimbodyWorld::find_diverged(const SimTK::State& state) const {
     const SimTK::Vec3& p = link.mobod.getBodyOriginLocation(state);
     const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(state);
     // Written so that a NaN fails.
-    const bool fine = p.normSqr() < kFarthest * kFarthest && V[1].normSqr() < kFastest * kFastest &&
-                      V[0].normSqr() < kFastest * kFastest;
-    if (!fine) return link.body;
+    if (!(p.normSqr() < kFarthest * kFarthest && V[1].normSqr() < kFastest * kFastest &&
+          V[0].normSqr() < kFastest * kFastest))
+      return link.body;
   }
   return -1;
 }

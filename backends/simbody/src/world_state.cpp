@@ -55,22 +55,11 @@ void SimbodyWorld::get_efforts(std::vector<double>& joints, std::vector<double>&
 Result<> SimbodyWorld::set_state(const WorldState& state) {
   if (auto fine = check_state(*model_, state); !fine) return fine;
   stop_integrator();
-  const Mechanism& m = engine_->mechanism;
   const SimTK::Vector q = state_.getQ(), u = state_.getU();
+  WorldState placed = state;
+  for (Pose& X : placed.poses) X.q.normalize();
   try {
-    for (const Link& link : m.links()) {
-      const auto b = std::size_t(link.body);
-      if (link.joint < 0) {
-        const Pose X(state.poses[b].p, state.poses[b].q.normalized());
-        m.set_base(state_, link, X, state.twists[b]);
-      } else {
-        const Joint& joint = model_->joints[link.joint];
-        m.set_joint(state_, link, state.joint_positions.data() + joint.position_offset,
-                    state.joint_velocities.data() + joint.speed_offset);
-      }
-    }
-    m.set_rates(state_);
-    m.project(state_);
+    engine_->mechanism.set_all(state_, placed);
   } catch (const std::exception& e) {
     state_.updQ() = q;
     state_.updU() = u;

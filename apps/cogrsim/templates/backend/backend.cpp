@@ -48,10 +48,9 @@ Capabilities make_capabilities() {
   cannot("report.contact_force", "collisions are not computed");
   cannot("report.joint_reaction", "there are no joints");
   cannot("report.joint_effort", "there are no joints");
-  for (const char* feature : {"body.static", "body.kinematic", "runtime.add", "runtime.remove",
-                              "runtime.save", "runtime.set_state", "runtime.body_kind"}) {
-    c.set(feature, Support::exact);
-  }
+  c.set_all({"body.static", "body.kinematic", "runtime.add", "runtime.remove", "runtime.save",
+             "runtime.set_state", "runtime.body_kind"},
+            Support::exact);
   return c;
 }
 
