@@ -64,6 +64,46 @@ TEST_CASE("a scene imports a robot as a prototype", "[scene]") {
       [](const std::string& file) { return file.find("tip.dae") != std::string::npos; }));
 }
 
+TEST_CASE("an import starts a robot in a keyframe of its file", "[scene][keyframe]") {
+  TemporaryFolder folder;
+  folder.write(
+      "m.xml",
+      "<mujoco model=\"m\"><worldbody><body name=\"lift\"><joint name=\"slide\" type=\"slide\"/>"
+      "<geom size=\"0.1\" mass=\"1\"/></body></worldbody>"
+      "<keyframe><key name=\"low\" qpos=\"0.25\"/><key name=\"high\" qpos=\"0.75\"/></keyframe>"
+      "</mujoco>");
+  folder.write("parts.scene.xml", "<scene version=\"1\"><prototype name=\"P\"/></scene>");
+  const auto compiled = [&](const std::string& content) {
+    return dsl::compile_text("<scene version=\"1\">\n" + content + "</scene>",
+                             folder / "scene.scene.xml");
+  };
+  // The same file, with each keyframe once and without one.
+  const dsl::CompileResult result = compiled(
+      "<param name=\"start\" default=\"high\"/>"
+      "<import href=\"m.xml\" as=\"low\" keyframe=\"low\"/>"
+      "<import href=\"m.xml\" as=\"high\" keyframe=\"${start}\"/>"
+      "<import href=\"m.xml\" as=\"zero\"/>"
+      "<instance of=\"low.M\" name=\"a\"/><instance of=\"high.M\" name=\"b\" xyz=\"0 1 0\"/>"
+      "<instance of=\"zero.M\" name=\"c\" xyz=\"0 2 0\"/>");
+  INFO(dsl::to_text(result.diagnostics));
+  REQUIRE(result.ok());
+  REQUIRE(result.model->joints.size() == 3);
+  CHECK(result.model->joints[0].position.at(0) == 0.25);
+  CHECK(result.model->joints[1].position.at(0) == 0.75);
+  for (const double q : result.model->joints[2].position) CHECK(q == 0.0);
+
+  for (const auto& [content, help] :
+       {std::pair{"<import href=\"m.xml\" keyframe=\"hihg\"/>", "did you mean 'high'?"},
+        std::pair{"<import href=\"parts.scene.xml\" keyframe=\"high\"/>", "no keyframes"}}) {
+    const dsl::CompileResult bad = compiled(content);
+    CHECK_FALSE(bad.ok());
+    REQUIRE_FALSE(bad.diagnostics.empty());
+    CHECK(bad.diagnostics[0].code == "CG1408");
+    CHECK(bad.diagnostics[0].line == 2);
+    CHECK_THAT(bad.diagnostics[0].help, Catch::Matchers::Contains(help));
+  }
+}
+
 TEST_CASE("what is wrong with an imported robot is reported at the import", "[scene]") {
   TemporaryFolder folder;
   const auto compiled = [&](const char* robot) {

@@ -12,8 +12,7 @@ bool Expander::is_cycle(const Document& document, const SourceSpan& at, const Tr
   for (auto it = loop; it != open_documents_.end(); ++it)
     cycle += context_.files.file((*it)->file).name + " -> ";
   cycle += context_.files.file(document.file).name;
-  context_.sink
-      .report("CG0302", at, trail, "files import each other in a cycle: " + cycle)
+  context_.sink.report("CG0302", at, trail, "files import each other in a cycle: " + cycle)
       .help("move what they share into a separate file");
   return true;
 }
@@ -54,7 +53,13 @@ void Expander::import(const Node& node, const InsertPoint& point, Definitions& i
     if (!as.given()) return give_up();
     prefix = (*as).text;
   }
-  const Document* document = context_.files.open_import(*href, at->value_span);
+  std::string keyframe;
+  if (reader.has("keyframe")) {
+    const auto name = reader.text("keyframe");
+    if (!name.given()) return give_up();
+    keyframe = *name;
+  }
+  const Document* document = context_.files.open_import(*href, keyframe, at->value_span);
   if (document == nullptr || document->root == nullptr || document->root->spec == nullptr)
     return give_up();
   if (is_cycle(*document, at->value_span, point.trail)) return give_up();

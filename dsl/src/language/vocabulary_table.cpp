@@ -606,7 +606,10 @@ void add_reuse(std::vector<ElementSpec>& out) {
               "becomes one prototype with the robot's name and a capital letter: panda.urdf's robot "
               "'panda' is Panda.",
               {must(attr("href", Kind::file, "The file, beside this one or in a library.")),
-               attr("as", Kind::name, "Prefix for its names: as.Name; none if left out.")},
+               attr("as", Kind::name, "Prefix for its names: as.Name; none if left out."),
+               attr("keyframe", Kind::text,
+                    "Keyframe of an MJCF in which the robot starts, or its number from 1 where it has "
+                    "no name; its zero if left out.")},
               {}, "<import href=\"parts/wheels.scene.xml\" as=\"parts\"/>"));
   out.push_back(element(group, "prototype",
                         "A group of elements with parameters, which instances build.",

@@ -6,12 +6,13 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "cogrsim/core/diagnostic.h"
@@ -88,10 +89,11 @@ class SourceFiles {
   const Document* open_plain(const std::string& path, bool lenient = false);
   const Document* open_plain_text(const std::string& text, const std::string& name);
 
-  /// An import. `href` is relative to its own file, or to a library folder. Files are
-  /// parsed and checked against the vocabulary once; nullptr: reported, at `at`. Cycles are the
-  /// caller's to find (compare Document pointers).
-  const Document* open_import(std::string_view href, const SourceSpan& at);
+  /// An import. `href` is relative to its own file, or to a library folder; `keyframe` is as in
+  /// ImportOptions. Files are parsed and checked against the vocabulary once for each keyframe;
+  /// nullptr: reported, at `at`. Cycles are the caller's to find (compare Document pointers).
+  const Document* open_import(std::string_view href, const std::string& keyframe,
+                              const SourceSpan& at);
 
   /// Absolute path of a mesh, heightmap or texture, checked to exist, to be an ordinary file below
   /// the scene's folder or a library folder, and within limits. Empty: reported, at `at`.
@@ -111,11 +113,12 @@ class SourceFiles {
   SourceSpan span_in_value(const Attribute& attribute, std::size_t begin, std::size_t length) const;
 
  private:
-  const Document* add(std::string name, std::string path, std::string text);
+  const Document* add(std::string name, std::string path, std::string text,
+                      const std::string& keyframe = {});
   /// Replaces the text of a URDF, MJCF or SDF file by that of a scene with its prototype. False: it
   /// cannot be imported, and that is reported at `at`.
-  bool convert_model(const std::string& path, std::string_view href, const SourceSpan& at,
-                     std::string& text);
+  bool convert_model(const std::string& path, std::string_view href, const std::string& keyframe,
+                     const SourceSpan& at, std::string& text);
   std::string locate(std::string_view href, const SourceSpan& at, const char* what);
 
   const CompileOptions& options_;
@@ -123,7 +126,7 @@ class SourceFiles {
   bool plain_ = false, lenient_ = false;
   std::vector<std::unique_ptr<SourceFile>> files_;
   std::vector<std::unique_ptr<Document>> documents_;
-  std::unordered_map<std::string, std::size_t> by_path_;
+  std::map<std::pair<std::string, std::string>, std::size_t> by_path_;  ///< and by keyframe
   std::string installed_;           // canonical folder of the installed library, or empty
   std::vector<std::string> roots_;  // canonical folders that files may lie below
   std::set<std::string> read_;      // absolute paths

@@ -210,10 +210,11 @@ const Document* SourceFiles::open_scene_text(const std::string& text, const std:
   return add(name, own.string(), text);
 }
 
-const Document* SourceFiles::open_import(std::string_view href, const SourceSpan& at) {
+const Document* SourceFiles::open_import(std::string_view href, const std::string& keyframe,
+                                         const SourceSpan& at) {
   const std::string path = locate(href, at, "imported file");
   if (path.empty()) return nullptr;
-  const auto known = by_path_.find(path);
+  const auto known = by_path_.find({path, keyframe});
   if (known != by_path_.end()) {
     const Document* document = documents_[known->second].get();
     return document->root ? document : nullptr;
@@ -236,7 +237,12 @@ const Document* SourceFiles::open_import(std::string_view href, const SourceSpan
     return nullptr;
   }
   const bool foreign = is_foreign_model(text);
-  if (foreign && !convert_model(path, href, at, text)) return nullptr;
+  if (!foreign && !keyframe.empty()) {
+    sink_.report("CG1408", at, nullptr, "there is no keyframe '" + keyframe + "'")
+        .help("a scene has no keyframes; they are of robots in MJCF");
+    return nullptr;
+  }
+  if (foreign && !convert_model(path, href, keyframe, at, text)) return nullptr;
   // Shown the way the user named the scene, so that it can be clicked on.
   const fs::path shown = fs::path(files_.front()->name).parent_path();
   std::error_code fault;
@@ -246,12 +252,14 @@ const Document* SourceFiles::open_import(std::string_view href, const SourceSpan
   } else {
     name = shown / name;
   }
-  return add(name.string() + (foreign ? " (as a scene)" : ""), path, std::move(text));
+  return add(name.string() + (foreign ? " (as a scene)" : ""), path, std::move(text), keyframe);
 }
 
 bool SourceFiles::convert_model(const std::string& path, std::string_view href,
-                                const SourceSpan& at, std::string& text) {
+                                const std::string& keyframe, const SourceSpan& at,
+                                std::string& text) {
   ImportOptions how;
+  how.keyframe = keyframe;
   how.prototype_only = how.refer = true;
   how.only_below = roots_;
   how.scene_folder = fs::path(path).parent_path().string();
@@ -356,7 +364,8 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
   return {};
 }
 
-const Document* SourceFiles::add(std::string name, std::string path, std::string text) {
+const Document* SourceFiles::add(std::string name, std::string path, std::string text,
+                                 const std::string& keyframe) {
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);  // byte order mark
   auto file = std::make_unique<SourceFile>();
   file->name = std::move(name);
@@ -368,7 +377,7 @@ const Document* SourceFiles::add(std::string name, std::string path, std::string
   const SourceFile& source = *files_.back();
 
   documents_.push_back(std::make_unique<Document>());
-  by_path_.emplace(source.path, documents_.size() - 1);
+  by_path_.emplace(std::pair(source.path, keyframe), documents_.size() - 1);
   Document& document = *documents_.back();
   document.file = index;
   document.lenient = lenient_;
