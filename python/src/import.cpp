@@ -55,7 +55,11 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
   return result;
 }
 
-std::shared_ptr<dsl::ExportResult> export_model(const py::object& scene, const std::string& format,
+struct Exported : dsl::ExportResult {
+  std::vector<std::string> files_read;  ///< of the scene
+};
+
+std::shared_ptr<Exported> export_model(const py::object& scene, const std::string& format,
                                                 const std::string& assembly) {
   dsl::ExportOptions options;
   options.assembly = assembly;
@@ -68,16 +72,18 @@ std::shared_ptr<dsl::ExportResult> export_model(const py::object& scene, const s
     const py::gil_scoped_release unlock;
     return dsl::export_model(*source->model, options);
   }();
-  return std::make_shared<dsl::ExportResult>(value_of(std::move(result)));
+  return std::make_shared<Exported>(Exported{value_of(std::move(result)), source->files});
 }
 
-/// Writes a text, and the files that belong beside it.
-void write(const fs::path& to, OutputKind kind, const std::string& text,
-           const std::vector<dsl::ImportedFile>& files, bool overwrite) {
+/// Writes a model's text, and the files that belong beside it. What it was made of is not replaced.
+template <class Model>
+void write(const Model& model, const std::string& text, OutputKind kind, const fs::path& to,
+           bool overwrite) {
   OutputRules rules;
   rules.overwrite = overwrite;
+  rules.inputs = model.files_read;
   check(write_output_file(to.string(), kind, text, rules));
-  for (const dsl::ImportedFile& file : files) {
+  for (const dsl::ImportedFile& file : model.files) {
     const auto beside =
         output_in(to.has_parent_path() ? to.parent_path().string() : ".", file.name);
     if (!beside) raise(beside.error());
@@ -88,7 +94,7 @@ void write(const fs::path& to, OutputKind kind, const std::string& text,
 }
 
 std::string name_of(const dsl::ImportResult& model) { return "ImportedModel " + model.format; }
-std::string name_of(const dsl::ExportResult&) { return "ExportedModel"; }
+std::string name_of(const Exported&) { return "ExportedModel"; }
 
 /// What imported and exported models have alike.
 template <class Model>
@@ -145,18 +151,18 @@ void bind_import(py::module_& m) {
       .def(
           "write",
           [](const dsl::ImportResult& r, const py::object& path, bool overwrite) {
-            write(path_of(path), OutputKind::xml, r.scene, r.files, overwrite);
+            write(r, r.scene, OutputKind::xml, path_of(path), overwrite);
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write the scene to a file, and the files that belong beside it.");
   bind_conversion(imported, "list of ImportEntry, in the order of the source");
-  py::class_<dsl::ExportResult, std::shared_ptr<dsl::ExportResult>> exported(
+  py::class_<Exported, std::shared_ptr<Exported>> exported(
       m, "ExportedModel", "A scene, or one assembly of it, in another format.");
-  exported.def_readonly("text", &dsl::ExportResult::text, "The file, XML")
+  exported.def_readonly("text", &Exported::text, "The file, XML")
       .def(
           "write",
-          [](const dsl::ExportResult& r, const py::object& path, bool overwrite) {
-            write(path_of(path), OutputKind::other, r.text, r.files, overwrite);
+          [](const Exported& r, const py::object& path, bool overwrite) {
+            write(r, r.text, OutputKind::other, path_of(path), overwrite);
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write the text to a file, and the meshes into a folder beside it.");

@@ -129,6 +129,10 @@ class Imports(Case):
         scene = cg.compile(path)
         self.assertTrue(any(name.endswith("elbow") for name in scene.joints))
         cg.Simulation(scene).run_until(0.01)
+        model.write(path, overwrite=True)
+        with self.assertRaisesRegex(cg.Error, "made from"):
+            model.write(self.folder / "stick.urdf", overwrite=True)
+        self.assertEqual((self.folder / "stick.urdf").read_text(), URDF)
 
     def test_errors(self):
         with self.assertRaises(cg.CompileError) as caught:
@@ -167,6 +171,10 @@ class Exports(Case):
     def test_errors(self):
         with self.assertRaisesRegex(ValueError, "'urdf', 'sdf', 'mjcf', given 'stl'"):
             cg.export_model(CART, "stl")
+        path = self.write("own.scene.xml", YARD)
+        with self.assertRaisesRegex(cg.Error, "made from"):
+            cg.export_model(path, "sdf").write(path, overwrite=True)
+        self.assertEqual(path.read_text(), YARD)
         with self.assertRaisesRegex(cg.Error, "cartt"):
             cg.export_model(CART, "urdf", assembly="cartt")
 

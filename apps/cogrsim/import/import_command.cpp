@@ -166,6 +166,7 @@ int import_command(const ImportCommandOptions& options) {
   if (!without) return refuse(without.error());
   import.without = std::move(*without);
   dsl::ImportResult result = dsl::import_model(options.file, import);
+  for (const std::string& read : result.files_read) add_input(read);
   print_diagnostics(result.diagnostics);
   const auto report = [&] {
     print_fidelity(result);

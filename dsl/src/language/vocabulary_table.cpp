@@ -22,8 +22,8 @@ Attributes mobility() {
                  "Factor on the weight of each body: 0 is weightless, 1 normal.", "1")};
 }
 
-Attributes shape(Attributes own) {
-  return named() + std::move(own) + placed() + solid() + mobility() + moving();
+Attributes shape(const Attributes& own) {
+  return named() + own + placed() + solid() + mobility() + moving();
 }
 
 Attributes joint_ends(std::string_view axis, std::string_view axis_doc) {
@@ -244,9 +244,9 @@ void add_matter(std::vector<ElementSpec>& out) {
 void add_bodies(std::vector<ElementSpec>& out) {
   const auto group = "Bodies";
   const auto radius = above_zero(must(number("radius", kLength, "Radius.")));
-  const auto add = [&](std::string_view name, std::string_view doc, Attributes own,
+  const auto add = [&](std::string_view name, std::string_view doc, const Attributes& own,
                        std::string_view example) {
-    out.push_back(element(group, name, doc, shape(std::move(own)), {"frame"}, example));
+    out.push_back(element(group, name, doc, shape(own), {"frame"}, example));
   };
   add("box", "A box, centred on its origin.",
       {above_zero(must(numbers("size", kLength, 3, "Full extents along x, y and z.")))},

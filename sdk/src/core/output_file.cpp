@@ -241,7 +241,7 @@ Result<> check_output(const std::string& path, OutputKind kind, const OutputRule
       struct stat other {};
       if (::stat(input.c_str(), &other) == 0 && other.st_dev == info.st_dev &&
           other.st_ino == info.st_ino) {
-        return refused(path, "it is an input of the same command");
+        return refused(path, "the result is made from it");
       }
     }
     const bool replaceable =
