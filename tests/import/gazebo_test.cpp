@@ -31,16 +31,6 @@ std::string in_urdf(const std::string& in_link) {
          in_link + "</gazebo></robot>";
 }
 
-double parameter(const SensorModel& s, const char* name, std::size_t i = 0) {
-  INFO(name);
-  const auto found = s.parameters.find(name);
-  REQUIRE(found != s.parameters.end());
-  if (const auto* list = std::get_if<std::vector<double>>(&found->second)) return list->at(i);
-  if (const auto* whole = std::get_if<std::int64_t>(&found->second))
-    return static_cast<double>(*whole);
-  return std::get<double>(found->second);
-}
-
 const char* const kLidar = R"(<sensor name="scan" type="gpu_lidar">
   <pose>0.1 0 0.2 0 0 0</pose><update_rate>10</update_rate>
   <lidar><scan>

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +14,17 @@
 #include "cogrsim/dsl/import_model.h"
 
 namespace cogrsim::test {
+
+/// The number, or number `i` of the list, that a sensor has under a name.
+inline double parameter(const SensorModel& s, const char* name, std::size_t i = 0) {
+  INFO(name);
+  const auto found = s.parameters.find(name);
+  REQUIRE(found != s.parameters.end());
+  if (const auto* list = std::get_if<std::vector<double>>(&found->second)) return list->at(i);
+  if (const auto* whole = std::get_if<std::int64_t>(&found->second))
+    return static_cast<double>(*whole);
+  return std::get<double>(found->second);
+}
 
 struct Imported {
   TemporaryFolder folder;

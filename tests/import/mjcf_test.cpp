@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include "cogrsim/core/constants.h"
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -137,8 +140,35 @@ TEST_CASE("an inertia that MJCF gives as zero is taken from the geoms", "[mjcf]"
 
 TEST_CASE("a step that no scene has is left out", "[mjcf]") {
   Imported in;
-  in.read(R"(<mujoco><option timestep="2"/><worldbody><body><geom size="0.1"/></body></worldbody></mujoco>)",
-          "m.xml");
+  in.read(
+      R"(<mujoco><option timestep="2"/><worldbody><body><geom size="0.1"/></body></worldbody></mujoco>)",
+      "m.xml");
   REQUIRE(in.model);
   CHECK(in.reports(kLeftOut, "step", "2 s"));
+}
+
+TEST_CASE("cameras of MJCF have their picture, and are off until they are asked", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><compiler angle="radian"/><worldbody>
+    <camera name="hall" pos="0 -3 1" xyaxes="1 0 0 0 0 1" fovy="60"/>
+    <body name="head"><geom type="sphere" size="0.1" mass="1"/>
+      <camera name="eye" pos="0.2 0 0" resolution="640 480" fovy="40"/>
+      <camera name="lens" pos="0.3 0 0" resolution="400 200" sensorsize="0.02 0.01" focal="0.01 0.01"/>
+      <camera name="chase" pos="-3 0 0" mode="targetbody" target="head"/>
+    </body></worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  REQUIRE(in.model->sensors.size() == 4);
+  const auto fov = [&](const char* name) {
+    const SensorModel& s = in.named(in.model->sensors, name);
+    CHECK_FALSE(s.enabled);
+    CHECK(s.rate == 30.0);
+    return parameter(s, "fov");
+  };
+  // tan(h/2) = tan(v/2) columns/rows; a sensor of width w behind a focal length f: tan(h/2) = w/(2f).
+  CHECK(fov("hall") == Approx(2.0 * std::atan(std::tan(kPi / 6.0) * 4.0 / 3.0)));
+  CHECK(fov("eye") == Approx(2.0 * std::atan(std::tan(kPi / 9.0) * 4.0 / 3.0)));
+  CHECK(fov("lens") == Approx(kPi / 2.0));
+  CHECK(in.reports(kExact, "camera 'eye'", "once it is enabled"));
+  CHECK(in.reports(kApproximate, "camera 'chase'", "fixed to its body"));
 }

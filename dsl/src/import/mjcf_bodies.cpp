@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "import/scene_text.h"
+
 namespace cogrsim::dsl::import {
 
 void MjcfReader::note_joints(const XmlElement& e, int depth) {
@@ -36,6 +38,8 @@ void MjcfReader::world(const XmlElement& e) {
       RobotLink& link = ground();
       sites_[name] = {link.name, X};
       link.frames.push_back({name, X, true});
+    } else if (c->name == "camera") {
+      ground().sensors.push_back(camera(*c, with_defaults(*c, child_class(e, ""))));
     } else {
       context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
     }
@@ -137,10 +141,55 @@ RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
   Mat3 R;
   R << 0, -1, 0, 0, 0, 1, -1, 0, 0;
   out.X = pose(e) * Pose(Vec3::Zero(), Quat(R));
-  if (e.find("mode") != nullptr && *e.find("mode") != "fixed")
-    context_.approximate(source.at, quoted_name(source), "it is fixed to its body");
-  else
-    context_.exact(source.at, quoted_name(source));
+  std::string differs;
+  const auto has = [&](const char* name, const char* value) {
+    return e.find(name) != nullptr && *e.find(name) == value;
+  };
+  if (e.find("mode") != nullptr && !has("mode", "fixed"))
+    add_to(differs, "it is fixed to its body");
+  if (has("orthographic", "true") || has("projection", "orthographic"))
+    add_to(differs, "it is a pinhole");
+  for (const char* shift : {"principal", "principalpixel"})
+    if (e.find(shift) != nullptr) {
+      add_to(differs, "its optical axis is at the image's centre");
+      break;
+    }
+
+  double columns = 320.0, rows = 240.0;
+  const auto pair = [&](const char* name) -> std::optional<Eigen::Vector2d> {
+    const std::string* text = e.find(name);
+    const auto values = text != nullptr ? context_.numbers(e, *text, 2, 2, name)
+                                        : std::optional<std::vector<double>>();
+    if (!values || !((*values)[0] > 0.0) || !((*values)[1] > 0.0)) return std::nullopt;
+    return Eigen::Vector2d((*values)[0], (*values)[1]);
+  };
+  const auto pixels = pair("resolution");
+  if (pixels && pixels->minCoeff() >= 1.0 && pixels->maxCoeff() <= 4096.0 &&
+      pixels->maxCoeff() > 1.0) {  // 1 1 is MuJoCo's default: nothing is said
+    columns = std::floor((*pixels)[0]);
+    rows = std::floor((*pixels)[1]);
+    out.attributes.emplace_back("resolution", fmt::format("{} {}", columns, rows));
+  } else if (pixels && pixels->maxCoeff() > 4096.0) {
+    add_to(differs, "its resolution is 320 240");
+  }
+  // The scene has the horizontal opening angle, MJCF the vertical one, in degrees always.
+  double half = std::tan(0.5 * context_.number(e, "fovy", 45.0) * kPi / 180.0) * columns / rows;
+  const auto sensor = pair("sensorsize"), focal = pair("focal"), focal_pixels = pair("focalpixel");
+  if (focal_pixels && pixels)
+    half = 0.5 * columns / (*focal_pixels)[0];
+  else if (focal && sensor)
+    half = 0.5 * (*sensor)[0] / (*focal)[0];
+  double fov = 2.0 * std::atan(half);
+  if (!(fov > 0.0 && fov <= 3.1)) {
+    fov = fov > 3.1 ? 3.1 : 1.0;
+    add_to(differs, fmt::format("its opening angle is {} rad", fov));
+  }
+  out.attributes.emplace_back("fov", fmt::format("{} rad", tidy(fov)));
+  // MuJoCo takes an image when a program asks for one; a scene's camera takes them as time goes on.
+  out.attributes.emplace_back("rate", "30 Hz");
+  out.attributes.emplace_back("enabled", "false");
+  context_.exact_unless(source.at, quoted_name(source), differs,
+                        "it takes images, 30 a second, once it is enabled");
   return out;
 }
 
