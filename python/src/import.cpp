@@ -32,13 +32,16 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
                                                 const std::map<std::string, std::string>& arguments,
                                                 const std::string& drives, bool fixed_base,
                                                 bool floor, const py::object& semantics,
-                                                const std::string& keyframe) {
+                                                const std::string& keyframe, int convex_parts) {
   dsl::ImportOptions options;
   for (const auto& [name, folder] : packages) options.packages[name] = path_of(folder);
   options.arguments = arguments;
   options.fixed_base = fixed_base;
   options.floor = floor;
   options.keyframe = keyframe;
+  if (convex_parts < 0 || convex_parts > 64)
+    throw py::value_error("convex_parts: expected 0 to 64, given " + std::to_string(convex_parts));
+  options.convex_parts = convex_parts;
   if (!semantics.is_none()) options.semantics = path_of(semantics);
   const std::pair<const char*, dsl::ImportDrives> kinds[] = {
       {"none", dsl::ImportDrives::none},
@@ -171,7 +174,7 @@ void bind_import(py::module_& m) {
         py::arg("packages") = std::map<std::string, py::object>(),
         py::arg("arguments") = std::map<std::string, std::string>(), py::arg("drives") = "none",
         py::arg("fixed_base") = false, py::arg("floor") = true, py::arg("semantics") = py::none(),
-        py::arg("keyframe") = "",
+        py::arg("keyframe") = "", py::arg("convex_parts") = 0,
         "Read a URDF (also xacro), MJCF or SDF file as a scene.\n\n"
         "packages: folders of ROS packages by name. arguments: of xacro. drives: motors of joints "
         "for which\n"
@@ -179,6 +182,9 @@ void bind_import(py::module_& m) {
         "file.\n"
         "keyframe: of an MJCF, in which the robot starts: its name, or, if it has none, its number "
         "from 1.\n"
+        "convex_parts: moving meshes of URDF and SDF collide as up to so many convex parts, 1 to 64; "
+        "0: as their\n"
+        "hull. Takes seconds for each mesh.\n"
         "Raises CompileError (.diagnostics): nothing could be made of it.");
   m.def("export_model", &export_model, py::arg("scene"), py::arg("format"), py::kw_only(),
         py::arg("assembly") = "",

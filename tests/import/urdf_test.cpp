@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/model/mass_properties.h"
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -338,4 +339,43 @@ TEST_CASE("limits that an engine lacks are left out", "[urdf]") {
   CHECK(in.reports(dsl::Fidelity::left_out, "limits of joint 'wide'",
                    "-4 to 3 rad: 'x' does not support them"));
   CHECK(in.result.count(dsl::Fidelity::left_out) == 1);
+}
+
+TEST_CASE("a mesh that moves is decomposed if that is asked", "[urdf][mesh]") {
+  Imported in;
+  // An L of two bars of 1 m x 0.2 m x 0.2 m; the hull fills half a square of 0.8 m.
+  std::string text;
+  for (const char* z : {"0", "0.2"})
+    for (const char* xy : {"0 0", "1 0", "1 0.2", "0.2 0.2", "0.2 1", "0 1"})
+      text += std::string("v ") + xy + " " + z + "\n";
+  text += "f 1 4 3 2\nf 1 6 5 4\nf 7 8 9 10\nf 7 10 11 12\n";
+  for (int i = 1; i <= 6; ++i) {
+    const int j = i % 6 + 1;
+    text += "f " + std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(j + 6) + " " +
+            std::to_string(i + 6) + "\n";
+  }
+  in.folder.write("ell.obj", text);
+  const std::string robot =
+      "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"0.1\" "
+      "ixy=\"0\" "
+      "ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial><collision><geometry>"
+      "<mesh filename=\"ell.obj\" scale=\"0.5 0.5 0.5\"/></geometry></collision></link></robot>";
+  in.read(robot);
+  REQUIRE(in.model);
+  CHECK(in.model->bodies[0].shapes.size() == 1);
+  std::vector<std::string> named;
+  in.options.convex_parts = 8;
+  in.options.decomposing = [&](const std::string& mesh) { named.push_back(mesh); };
+  in.read(robot);
+  REQUIRE(in.model);
+  REQUIRE(in.model->bodies[0].shapes.size() == 2);
+  CHECK(named == std::vector<std::string>{"ell.obj"});
+  CHECK(in.result.files.size() == 2);
+  CHECK(in.reports(kApproximate, "collision mesh of 'a'", "2 convex parts, which cover 0 %"));
+  double volume = 0.0;
+  for (const Shape& s : in.model->bodies[0].shapes) {
+    CHECK(s.type == ShapeType::convex_mesh);
+    volume += shape_volume(s, in.model->meshes);
+  }
+  CHECK(volume == Approx(0.125 * 0.2 * (0.2 + 0.8 * 0.2)).epsilon(1e-12));
 }

@@ -16,6 +16,7 @@
 #include "common/arguments.h"
 #include "common/options.h"
 #include "common/output_file.h"
+#include "common/progress.h"
 #include "common/refuse.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
@@ -165,7 +166,12 @@ int import_command(const ImportCommandOptions& options) {
   auto without = lacking(loader, options.engines);
   if (!without) return refuse(without.error());
   import.without = std::move(*without);
+  StatusLine progress;
+  import.decomposing = [&](const std::string& mesh) {
+    if (progress.shown()) progress.show("import: decomposing " + printable(mesh));
+  };
   dsl::ImportResult result = dsl::import_model(options.file, import);
+  progress.clear();
   for (const std::string& read : result.files_read) add_input(read);
   print_diagnostics(result.diagnostics);
   const auto report = [&] {
@@ -265,6 +271,12 @@ void add_import(CLI::App& app, int& status) {
                   "Copy all meshes into this folder beside the scene; default: only those that the "
                   "scene cannot refer to, into meshes")
       ->type_name("DIR");
+  command
+      .add_option("--convex-parts", o.import.convex_parts,
+                  "Meshes that move, of URDF and SDF, collide as up to so many convex parts; "
+                  "default: as their hull")
+      ->check(CLI::Range(1, 64))
+      ->type_name("N");
   add_report_options(command, o.report, o.strict);
   command.footer(
       "Examples:\n"
@@ -273,6 +285,7 @@ void add_import(CLI::App& app, int& status) {
       "arm_description=../arm_description\n"
       "  cogrsim import humanoid.xml -o humanoid.scene.xml --report humanoid.html\n"
       "  cogrsim import dog.xml -o dog.scene.xml --engines cogrsim,bullet,mujoco\n"
+      "  cogrsim import gripper.urdf -o gripper.scene.xml --convex-parts 8\n"
       "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml.\n"
       "Exit status 0 imported, 1 not imported, 2 wrong usage.");
   command.callback([&status, arguments] {

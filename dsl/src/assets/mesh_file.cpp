@@ -180,10 +180,8 @@ std::size_t open_edges(const TriangleMesh& mesh) {
   std::sort(reversed.begin(), reversed.end());
   std::size_t open = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (i > 0 && edges[i] == edges[i - 1])
-      ++open;  // used twice in one direction
-    else if (!std::binary_search(reversed.begin(), reversed.end(), edges[i]))
-      ++open;
+    const bool twice = i > 0 && edges[i] == edges[i - 1];  // in one direction
+    if (twice || !std::binary_search(reversed.begin(), reversed.end(), edges[i])) ++open;
   }
   return open;
 }

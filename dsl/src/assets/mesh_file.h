@@ -25,6 +25,9 @@ Result<std::string> read_whole_file(const std::string& path, std::size_t limit);
 /// many.
 Result<TriangleMesh> parse_obj(std::string_view text);
 
+/// A mesh as OBJ, its numbers in full.
+std::string obj_text(const TriangleMesh& mesh);
+
 /// STL, ASCII or binary; distinguished by length, since binary files may begin with "solid" too.
 /// Equal vertices become one. Errors name the line or the triangle.
 Result<TriangleMesh> parse_stl(std::string_view bytes);

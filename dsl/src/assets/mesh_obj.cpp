@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <array>
 
 #include "assets/mesh_file.h"
@@ -192,5 +194,13 @@ class ObjParser {
 }  // namespace
 
 Result<TriangleMesh> parse_obj(std::string_view text) { return ObjParser(text).parse(); }
+
+std::string obj_text(const TriangleMesh& mesh) {
+  std::string out = "# Written by cogrsim; metres.\n";
+  for (const Vec3& v : mesh.vertices) out += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
+  for (const Eigen::Vector3i& t : mesh.triangles)
+    out += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return out;
+}
 
 }  // namespace cogrsim::dsl

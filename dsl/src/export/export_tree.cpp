@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 
+#include "assets/mesh_file.h"
 #include "syntax/text.h"
 
 namespace cogrsim::dsl::exporting {
@@ -236,11 +237,7 @@ std::string ExportTree::mesh_file(int mesh) {
   stem = stem.substr(0, stem.rfind('.'));
   const std::string file =
       options.mesh_folder + "/" + unique_name("mesh", stem.empty() ? "mesh" : stem) + ".obj";
-  std::string text = "# Written by cogrsim export; metres.\n";
-  for (const Vec3& v : m.vertices) text += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
-  for (const Eigen::Vector3i& t : m.triangles)
-    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  result.files.push_back({file, std::move(text)});
+  result.files.push_back({file, obj_text(m)});
   return mesh_files_.emplace(mesh, file).first->second;
 }
 

@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "assets/mesh_file.h"
+#include "cogrsim/geometry/convex_parts.h"
 #include "import/robot_start.h"
 #include "import/scene_text.h"
 #include "syntax/text.h"
@@ -144,7 +145,16 @@ class SceneWriter {
   }
 
   std::string shape(const RobotLink& l, const RobotShape& s, const Pose& X_RL) {
-    const ShapeText text = geometry(l, s, X_RL * s.X);
+    std::string out;
+    for (const std::string& file : parts(l, s, X_RL * s.X))
+      out += element(l, s, {"mesh", mesh_attributes(s, file) + " convex=\"true\""});
+    return out.empty() ? element(l, s, geometry(l, s, X_RL * s.X)) : out;
+  }
+
+  struct ShapeText {
+    std::string tag, attributes;
+  };
+  std::string element(const RobotLink& l, const RobotShape& s, const ShapeText& text) {
     if (text.tag.empty()) return "";
     std::string out = "      <" + text.tag + shape_name(l, s) + text.attributes + pose_text(s.X);
     if (s.color)
@@ -163,9 +173,6 @@ class SceneWriter {
 
   /// The geometry as an element of the scene; without a tag it is left out. `X`: pose of the shape in
   /// the robot, whose extent grows by what collides.
-  struct ShapeText {
-    std::string tag, attributes;
-  };
   ShapeText geometry(const RobotLink& l, const RobotShape& s, const Pose& X) {
     const Geometry& g = s.geometry;
     switch (g.type) {
@@ -229,15 +236,55 @@ class SceneWriter {
     return {"prism", fmt::format(" outline=\"{}\" length=\"{}\"", text, s.geometry.length)};
   }
 
+  static std::string mesh_attributes(const RobotShape& s, const std::string& file) {
+    const Vec3& scale = s.geometry.scale;
+    std::string out = fmt::format(" file=\"{}\"", escaped(file));
+    if (scale != Vec3::Ones())
+      out += scale[0] == scale[1] && scale[1] == scale[2]
+                 ? fmt::format(" scale=\"{}\"", scale[0])
+                 : fmt::format(" scale=\"{}\"", list(scale));
+    return out;
+  }
+
+  /// The files of a mesh's convex parts. None: it is to be one mesh, or is one hull in any case.
+  std::vector<std::string> parts(const RobotLink& l, const RobotShape& s, const Pose& X) {
+    const ImportOptions& options = context_.options;
+    if (options.convex_parts <= 0 || s.geometry.type != Geometry::Type::mesh || !s.collides ||
+        l.is_static || context_.result.format == "MJCF")
+      return {};
+    const auto& bounds = context_.mesh_bounds(s.geometry.mesh);
+    if (!bounds) return {};
+    const auto [known, is_new] = parts_.try_emplace(s.geometry.mesh);
+    Parts& parts = known->second;
+    if (is_new) {
+      const fs::path path = s.geometry.mesh;
+      const auto mesh = load_mesh(path, path.filename().string(), options.limits.asset_bytes);
+      if (!mesh) return {};
+      if (options.decomposing) options.decomposing(path.filename().string());
+      geometry::ConvexPartsOptions how;
+      how.most = options.convex_parts;
+      geometry::ConvexParts found = geometry::convex_parts(*mesh, how);
+      parts.excess = found.excess;
+      parts.excess_of_hull = found.excess_of_hull;
+      if (found.hulls.size() > 1)
+        for (std::size_t i = 0; i < found.hulls.size(); ++i)
+          parts.files.push_back(add_file(fmt::format("{}_part{}.obj", path.stem().string(), i + 1),
+                                         obj_text(found.hulls[i])));
+    }
+    if (parts.files.empty()) return {};
+    extend(s, X, bounds->scaled(s.geometry.scale));
+    context_.approximate(
+        s.at, fmt::format("collision mesh of '{}'", l.name),
+        fmt::format("collides as {} convex parts, which cover {:.2g} % too much; its hull would "
+                    "cover {:.2g} %",
+                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull));
+    return parts.files;
+  }
+
   ShapeText mesh(const RobotLink& l, const RobotShape& s, const Pose& X) {
     const std::string file = mesh_file(l, s, X);
     if (file.empty()) return {};
-    std::string attributes = fmt::format(" file=\"{}\"", escaped(file));
-    const Vec3& scale = s.geometry.scale;
-    if (scale != Vec3::Ones())
-      attributes += scale[0] == scale[1] && scale[1] == scale[2]
-                        ? fmt::format(" scale=\"{}\"", scale[0])
-                        : fmt::format(" scale=\"{}\"", list(scale));
+    std::string attributes = mesh_attributes(s, file);
     const std::string& reason = context_.options.without.concave_meshes;
     // MuJoCo's meshes collide as their hulls, also of static bodies.
     const bool is_hull = s.collides && context_.result.format == "MJCF";
@@ -642,6 +689,11 @@ class SceneWriter {
   RobotStart start_;
   std::string* body_ = nullptr;
   Bounds extent_;
+  struct Parts {
+    std::vector<std::string> files;
+    double excess = 0.0, excess_of_hull = 0.0;
+  };
+  std::map<std::string, Parts> parts_;         // path → its convex parts
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
   std::set<std::string> file_names_, shape_names_;

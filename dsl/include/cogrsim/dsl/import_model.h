@@ -77,6 +77,11 @@ struct ImportOptions {
   /// An SRDF file beside a URDF; empty: none.
   std::string semantics;
   ImportWithout without;
+  /// Meshes that move, of URDF and SDF, collide as up to so many convex parts, 1 to 64, written as
+  /// files of the result; 0: as their hull, as all of MJCF do.
+  int convex_parts = 0;
+  /// Called with the name of each mesh before it is decomposed, which may take seconds.
+  std::function<void(const std::string&)> decomposing;
   Limits limits;
 };
 
