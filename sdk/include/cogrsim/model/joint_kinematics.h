@@ -26,8 +26,8 @@ COGRSIM_API Twist joint_twist_rate(const Joint& joint, const double* q, const do
 
 /// Computes the coordinates `q` (position_count(type) entries) of a relative pose X_FM. Motion that
 /// the joint does not allow is ignored; joint_error() measures it. Angles are within pi of
-/// `previous` (position_count(type) entries), so that full turns are counted; if `previous` is
-/// nullptr, they are in (-pi, pi].
+/// `previous` (position_count(type) entries, which may be `q`), so that full turns are counted; if
+/// `previous` is nullptr, they are in (-pi, pi].
 COGRSIM_API void joint_position(const Joint& joint, const Pose& X_FM, const double* previous,
                                 double* q);
 

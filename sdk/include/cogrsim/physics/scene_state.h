@@ -55,8 +55,7 @@ inline void read_joint(const Joint& joint, const WorldState& state, double* q, d
   const auto twist = [&](int b) { return b == kWorld ? Twist() : state.twists[b]; };
   const Pose X_WP = pose(joint.parent), X_WC = pose(joint.child);
   const Pose X_FM = relative_pose(joint, X_WP, X_WC);
-  const std::vector<double> before(q, q + position_count(joint.type));
-  joint_position(joint, X_FM, before.data(), q);
+  joint_position(joint, X_FM, q, q);
   joint_velocity(joint, X_FM,
                  relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child)), q, u);
 }
