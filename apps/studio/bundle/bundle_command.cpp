@@ -73,6 +73,7 @@ OriginsPtr shared(const dsl::ModelOrigins& from) {
   take(from.views, to->views);
   take(from.regions, to->regions);
   take(from.plots, to->plots);
+  take(from.forces, to->forces);
   return to;
 }
 

@@ -278,6 +278,7 @@ Origins origins_by_name(std::vector<dsl::OutlineElement>& elements, const SceneM
   find(model.views, origins.views);
   find(model.regions, origins.regions);
   find(model.plots, origins.plots);
+  find(model.forces, origins.forces);
   return origins;
 }
 

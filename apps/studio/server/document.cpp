@@ -265,6 +265,7 @@ void DocumentRequests::show() {
   take(origins.views, scene.origins.views);
   take(origins.regions, scene.origins.regions);
   take(origins.plots, scene.origins.plots);
+  take(origins.forces, scene.origins.forces);
   run_.show(std::move(scene), [this, queue = queue_, version = version_](auto shown) {
     if (shown) return;
     // Only the document's own thread, which lives as long as it takes tasks, uses `this`.

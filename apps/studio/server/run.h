@@ -24,7 +24,7 @@ struct Origins {
   };
   std::uint64_t version = 0;  ///< of the document
   std::vector<Origin> bodies, assemblies, joints, motors, sensors, controllers, supervisors, lights,
-      views, regions, plots;
+      views, regions, plots, forces;
 };
 
 /// A scene that compiled.

@@ -32,6 +32,22 @@ const char* kind_of(BodyKind kind) {
   return "fixed";
 }
 
+const char* kind_of(ForceModel::Kind kind) {
+  switch (kind) {
+    case ForceModel::Kind::force:
+      return "force";
+    case ForceModel::Kind::drag:
+      return "drag";
+    case ForceModel::Kind::spring:
+      return "spring";
+    case ForceModel::Kind::buoyancy:
+      return "buoyancy";
+    case ForceModel::Kind::wind:
+      break;
+  }
+  return "wind";
+}
+
 class SceneWriter {
  public:
   SceneWriter(const SceneRecord& record, const std::map<std::string, std::size_t>& assets)
@@ -79,6 +95,15 @@ class SceneWriter {
     });
     out["plots"] = list(model_.plots, from.plots, [](const PlotModel& p) -> Json {
       return {{"kind", p.kind}, {"title", p.title}};
+    });
+    out["forces"] = list(model_.forces, from.forces, [](const ForceModel& f) -> Json {
+      Json one = {{"kind", kind_of(f.kind)}, {"body", f.body},
+                  {"pose", to_json(f.X_BE)}, {"vector", to_json(f.force)},
+                  {"in_body", f.in_body},    {"from", f.from},
+                  {"until", nullptr},        {"other", f.other},
+                  {"cable", f.cable},        {"other_point", to_json(f.other_point)}};
+      if (std::isfinite(f.until)) one["until"] = f.until;
+      return one;
     });
     out["meshes"] = Json::array();
     for (const MeshPtr& m : model_.meshes) out["meshes"].push_back(mesh(*m));

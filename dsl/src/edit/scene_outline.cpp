@@ -116,7 +116,7 @@ Analysis analyse(const std::string& text, const std::string& name, const Compile
       out.origins = {of(model->bodies),      of(model->assemblies), of(model->joints),
                      of(model->motors),      of(model->sensors),    of(model->controllers),
                      of(model->supervisors), of(model->lights),     of(model->views),
-                     of(model->regions),     of(model->plots)};
+                     of(model->regions),     of(model->plots),      of(model->forces)};
     }
   }
   out.result.diagnostics = sink.take();

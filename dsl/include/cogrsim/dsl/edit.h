@@ -43,7 +43,7 @@ struct Origin {
 /// By index of SceneModel's vectors of the same names.
 struct ModelOrigins {
   std::vector<Origin> bodies, assemblies, joints, motors, sensors, controllers, supervisors, lights,
-      views, regions, plots;
+      views, regions, plots, forces;
 };
 
 /// A compiled scene together with the elements it came from.

@@ -478,6 +478,34 @@ export interface ScenePlot {
   removed?: boolean;
 }
 
+/** A force, or what exerts one; drawn are forces and springs. */
+export interface SceneForce {
+  kind: "force" | "drag" | "spring" | "buoyancy" | "wind";
+  body: number;
+  /** of the point where it acts, in the body */
+  pose: Pose;
+  /** [N], without its factor */
+  vector: Vec3;
+  /** the vector is in the axes of the point; else of the world */
+  in_body: boolean;
+  /** [s] */
+  from: number;
+  /** [s] */
+  until: number | null;
+  /** of a spring: its second body */
+  other: number;
+  /** in that body */
+  other_point: Vec3;
+  /** of a spring: it pulls only */
+  cable: boolean;
+  name: string;
+  /** id; -1: not from this file */
+  element: number;
+  /** the element is this thing and nothing else */
+  own?: boolean;
+  removed?: boolean;
+}
+
 export interface SceneMesh {
   positions: number[];
   indices: number[];
@@ -509,6 +537,7 @@ export interface Scene {
   controllers: SceneController[];
   supervisors: SceneSupervisor[];
   plots: ScenePlot[];
+  forces: SceneForce[];
   meshes: SceneMesh[];
   heightmaps: SceneHeightmap[];
   gravity: Vec3;

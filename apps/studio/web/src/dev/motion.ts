@@ -214,6 +214,7 @@ export function demoScene(number: number, text: string): Scene {
     ],
     views: [{ name: "corner", pose: [1.5, -1.5, 1.2, 0.36, -0.2, 0.08, 0.9], fov: 1, element: id("corner") }],
     regions: [],
+    forces: [],
     controllers: [{ name: "robot.diff_drive", plugin: "diff_drive", assembly: 0, element: id("controller") }],
     supervisors: [],
     plots: [{ name: "heights", kind: "line", title: "Heights", element: -1 }],

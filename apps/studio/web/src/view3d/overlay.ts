@@ -6,12 +6,15 @@ import { Dots, linearColor, Lines, type Rgb } from "./lines";
 import { compose, kIdentity, isFinite, poseAt, rotate, transform } from "./pose";
 import { rayEnds } from "./rays";
 import { overlays } from "./settings";
+import { springLine } from "./springs";
 import { dashes, type Trails } from "./trails";
 
 const kAxes: Rgb[] = [linearColor([0.9, 0.1, 0.1]), linearColor([0.1, 0.65, 0.1]), linearColor([0.15, 0.3, 0.95])];
 const kContact = linearColor([1.0, 0.75, 0.0]);
 /** A lidar has so many rays that only thin and pale ones leave anything to see. */
 const kFan = linearColor([0.35, 0.6, 0.9]);
+const kForce = linearColor([0.9, 0.2, 0.1]);
+const kSpring = linearColor([0.35, 0.4, 0.45]);
 const kJoint = linearColor([0.85, 0.2, 0.85]);
 const kCentre = linearColor([0.95, 0.85, 0.1]);
 
@@ -133,6 +136,30 @@ export class Overlay {
         ];
         for (const axis of jointAxes(joint.type, parent, child)) topLines.add(ends(axis, -1), ends(axis, 1), kJoint);
         dots.add(parent, kJoint);
+      }
+    }
+    if (overlays.forces.value) {
+      // A force without a vector is one that a controller sets: its value is not in the frame.
+      const acting = scene.forces.filter(
+        (f) => f.kind === "force" && frame.time >= f.from && frame.time < (f.until ?? Infinity),
+      );
+      const largest = acting.reduce((m, f) => Math.max(m, Math.hypot(...f.vector)), 0);
+      for (const force of scene.forces) {
+        const at = compose(poseOf(force.body), force.pose);
+        if (force.removed || !isFinite(at)) continue;
+        const from: Vec3 = [at[0], at[1], at[2]];
+        if (force.kind === "spring") {
+          const other = poseOf(force.other);
+          if (!isFinite(other)) continue;
+          const line = springLine(from, transform(other, force.other_point), 0.012 * size, force.cable);
+          for (let i = 1; i < line.length; i++) lines.add(line[i - 1]!, line[i]!, kSpring);
+        } else if (acting.includes(force) && largest > 0) {
+          const scale = (0.25 * size) / largest;
+          const vector = force.in_body ? rotate(at, force.vector) : force.vector;
+          const tip: Vec3 = [from[0] + scale * vector[0], from[1] + scale * vector[1], from[2] + scale * vector[2]];
+          topLines.add(from, tip, kForce);
+          dots.add(tip, kForce);
+        }
       }
     }
     if (overlays.frames.value || overlays.centres.value) {

@@ -7,6 +7,7 @@ export const kOverlays = [
   "rays",
   "contacts",
   "joints",
+  "forces",
   "frames",
   "centres",
   "trails",
@@ -20,6 +21,7 @@ export const kOverlayLabels: Record<OverlayName, string> = {
   rays: "Rays of Sensors",
   contacts: "Contacts",
   joints: "Joint Axes",
+  forces: "Forces and Springs",
   frames: "Frames of Bodies",
   centres: "Centres of Mass",
   trails: "Trajectories",
@@ -57,7 +59,7 @@ const remembered = <T extends boolean | string>(name: string, otherwise: T): Sig
   return made;
 };
 
-const kShownAtFirst = new Set<OverlayName>(["grid", "rays"]);
+const kShownAtFirst = new Set<OverlayName>(["grid", "rays", "forces"]);
 export const overlays = Object.fromEntries(
   kOverlays.map((name) => [name, remembered<boolean>(`overlay.${name}`, kShownAtFirst.has(name))]),
 ) as Record<OverlayName, Signal<boolean>>;
