@@ -150,7 +150,7 @@ class Island::NewtonProblem {
   bool derivatives_ = false;
 };
 
-void Island::solve_directly(double tolerance) {
+bool Island::solve_directly(double tolerance) {
   NewtonProblem problem(*this);
   Vector l = problem.start();
   double error = problem.evaluate(l, true);
@@ -166,9 +166,10 @@ void Island::solve_directly(double tolerance) {
     l -= share * direction;
     error = problem.evaluate(l, true);
   }
-  if (!(error <= tolerance)) return;
+  if (!(error <= tolerance)) return false;
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].lambda = l[Eigen::Index(i)];
   Eigen::Map<Vector>(v.data(), Eigen::Index(v.size())) += problem.speed_change(l);
+  return true;
 }
 
 }  // namespace cogrsim::dynamics

@@ -109,6 +109,12 @@ class Island {
   template <class Rows>
   int solve_velocities_of(const SolverOptions& options);
   template <class Rows>
+  int solve_together(const SolverOptions& options);
+  template <class Rows>
+  void solve_by_turns(const SolverOptions& options);
+  template <class Rows>
+  bool is_worse_than_none() const;
+  template <class Rows>
   double relax_contact(const RowBlock& block);
   template <class Rows>
   double relax_turning(const RowBlock& block);
@@ -124,7 +130,7 @@ class Island {
   double sweep(bool backwards);
   // Changes nothing where it does not converge; see direct.cpp.
   class NewtonProblem;
-  void solve_directly(double tolerance);
+  bool solve_directly(double tolerance);
   bool measure_gaps(double h, std::vector<Row>& set_rows);
   void hold_sticking(double h);
 
@@ -133,6 +139,8 @@ class Island {
   std::vector<NormalBlock> normal_blocks_;
   std::vector<Gap> gaps_;
   ConjugateSteps<double, double> steps_;
+  std::vector<double> v0_;  ///< v without impulses
+  enum class Part { all, loads, friction } part_ = Part::all;  ///< what a sweep relaxes of contacts
 };
 
 }  // namespace cogrsim::dynamics
