@@ -68,8 +68,8 @@ class Island::NewtonProblem {
   }
 
   const Vector& start() const { return start_; }
-  const Vector& F() const { return F_; }
-  const Matrix& D() const { return D_; }
+  const Vector& residual() const { return F_; }
+  const Matrix& derivative() const { return D_; }
   /// Change of the island's speeds.
   Vector speed_change(const Vector& l) const { return W_.transpose() * (l - start_); }
 
@@ -157,8 +157,8 @@ bool Island::solve_directly(double tolerance) {
   for (int step = 0; step < kNewtonSteps && error > tolerance; ++step) {
     Eigen::CompleteOrthogonalDecomposition<Matrix> solver(l.size(), l.size());
     solver.setThreshold(kSingular);
-    solver.compute(problem.D());
-    const Vector direction = solver.solve(problem.F());
+    solver.compute(problem.derivative());
+    const Vector direction = solver.solve(problem.residual());
     double share = 1.0;
     for (; share > kShortest; share *= 0.5)
       if (problem.evaluate(l - share * direction, false) < error) break;
