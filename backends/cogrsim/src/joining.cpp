@@ -1,5 +1,6 @@
 #include "joining.h"
 
+#include <Eigen/Eigenvalues>
 #include <map>
 
 #include "cogrsim/model/joint_kinematics.h"
