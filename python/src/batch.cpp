@@ -199,62 +199,53 @@ void bind_batch(py::module_& m) {
            py::arg("observations"), py::arg("done"), py::arg("reward"), py::arg("backends"),
            py::arg("step"), py::arg("threads"), py::arg("seeds"), py::arg("duration"),
            py::arg("auto_reset"), py::arg("missing"))
-      .def("step", &step, py::arg("actions"), py::arg("steps"))
-      .def("advance", &advance_worlds, py::arg("actions"), py::arg("steps"))
-      .def("reset", &reset, py::arg("seeds"), py::arg("worlds"))
-      .def("observe_into", &observe_into, py::arg("buffer"))
-      .def("observations", &observations)
-      .def("final_observations",
-           [](PyBatch& s) {
+      .def("step", held(&step), py::arg("actions"), py::arg("steps"))
+      .def("advance", held(&advance_worlds), py::arg("actions"), py::arg("steps"))
+      .def("reset", held(&reset), py::arg("seeds"), py::arg("worlds"))
+      .def("observe_into", held(&observe_into), py::arg("buffer"))
+      .def("observations", held(&observations))
+      .def("final_observations", held(+[](PyBatch& s) {
              const Use use(s);
              const Batch::ConstTable table = s.batch->final_observations();
              return copy_of(table.data(), table.rows(), table.cols());
-           })
-      .def("actions",
-           [](PyBatch& s) {
+           }))
+      .def("actions", held(+[](PyBatch& s) {
              const Use use(s);
              const Batch::Table table = s.batch->actions();
              return copy_of(table.data(), table.rows(), table.cols());
-           })
-      .def("ends",
-           [](PyBatch& s) {
+           }))
+      .def("ends", held(+[](PyBatch& s) {
              const Use use(s);
              std::vector<const char*> out;
              for (const EpisodeEnd end : s.batch->ends()) out.push_back(to_string(end));
              return out;
-           })
-      .def("end_message",
-           [](PyBatch& s, int world) {
+           }))
+      .def("end_message", held(+[](PyBatch& s, int world) {
              const Use use(s);
              return s.batch->end_message(checked_world(s, world));
-           })
-      .def("seed",
-           [](PyBatch& s, int world) {
+           }))
+      .def("seed", held(+[](PyBatch& s, int world) {
              const Use use(s);
              return s.batch->seed(checked_world(s, world));
-           })
-      .def("frame",
-           [](PyBatch& s, int world) {
+           }))
+      .def("frame", held(+[](PyBatch& s, int world) {
              const Use use(s);
              return to_python(s.batch->world(checked_world(s, world)).frame());
-           })
-      .def("messages",
-           [](PyBatch& s, int world) {
+           }))
+      .def("messages", held(+[](PyBatch& s, int world) {
              const Use use(s);
              return s.batch->world(checked_world(s, world)).messages();
-           })
-      .def("backend",
-           [](PyBatch& s, int world) {
+           }))
+      .def("backend", held(+[](PyBatch& s, int world) {
              const Use use(s);
              return s.batch->world(checked_world(s, world)).backend().name();
-           })
-      .def_property_readonly("dt",
-                             [](PyBatch& s) {
+           }))
+      .def_property_readonly("dt", held(+[](PyBatch& s) {
                                const Use use(s);
                                return s.batch->world(0).dt();
-                             })
-      .def_property_readonly("size", [](const PyBatch& s) { return s.batch->size(); })
-      .def_property_readonly("threads", [](const PyBatch& s) { return s.batch->threads(); });
+                             }))
+      .def_property_readonly("size", held(+[](const PyBatch& s) { return s.batch->size(); }))
+      .def_property_readonly("threads", held(+[](const PyBatch& s) { return s.batch->threads(); }));
 }
 
 }  // namespace cogrsim::python

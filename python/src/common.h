@@ -40,6 +40,14 @@ inline void check(const Result<>& result) {
   if (!result) raise(result.error());
 }
 
+/// A method whose object pybind11 holds in a shared_ptr: it refuses one that was not constructed.
+template <class T, class R, class... A>
+auto held(R (*method)(T&, A...)) {
+  return [method](const std::shared_ptr<std::remove_const_t<T>>& self, A... arguments) -> R {
+    return method(*self, std::forward<A>(arguments)...);
+  };
+}
+
 /// "'a', 'b', 'c' and 12 more".
 std::string list_of(const std::vector<std::string>& names);
 /// Raises KeyError: "there is no WHAT 'name'", with the nearest names or those that exist.

@@ -171,9 +171,9 @@ void bind_recording(py::module_& m) {
         py::arg("every") = 0.0, py::arg("contacts") = true, py::arg("images") = true,
         py::arg("jpeg") = false, py::arg("overwrite") = false);
 
-  py::class_<PyRecording>(m, "_Recording")
+  py::class_<PyRecording, std::shared_ptr<PyRecording>>(m, "_Recording")
       .def(py::init([](const py::object& path) {
-        auto out = std::make_unique<PyRecording>();
+        auto out = std::make_shared<PyRecording>();
         out->path = path_of(path);
         Result<std::unique_ptr<Recording>> opened = [&] {
           const py::gil_scoped_release unlock;
@@ -182,29 +182,26 @@ void bind_recording(py::module_& m) {
         out->recording = value_of(std::move(opened));
         return out;
       }))
-      .def_readonly("path", &PyRecording::path)
-      .def("info", &info_of)
-      .def("count", [](const PyRecording& s) { return s.recording->frame_count(); })
-      .def("sensors",
-           [](PyRecording& s) {
+      .def_property_readonly("path", held(+[](const PyRecording& s) { return s.path; }))
+      .def("info", held(&info_of))
+      .def("count", held(+[](const PyRecording& s) { return s.recording->frame_count(); }))
+      .def("sensors", held(+[](PyRecording& s) {
              const Use use(s);
              return sensors_in(s);
-           })
-      .def("messages", [](const PyRecording& s) { return s.recording->messages(); })
-      .def("frame",
-           [](PyRecording& s, py::ssize_t index) {
+           }))
+      .def("messages", held(+[](const PyRecording& s) { return s.recording->messages(); }))
+      .def("frame", held(+[](PyRecording& s, py::ssize_t index) {
              const Use use(s);
              return to_python(value_of(s.recording->frame(index_in(s, index))));
-           })
-      .def("frame_at",
-           [](PyRecording& s, double time) {
+           }))
+      .def("frame_at", held(+[](PyRecording& s, double time) {
              const Use use(s);
              if (s.recording->frame_count() == 0)
                throw py::index_error("the recording has no frames");
              return to_python(value_of(s.recording->frame(s.recording->index_at(time))));
-           })
-      .def("table", &table)
-      .def("signal", &signal);
+           }))
+      .def("table", held(&table))
+      .def("signal", held(&signal));
 }
 
 }  // namespace cogrsim::python

@@ -12,16 +12,16 @@ namespace cogrsim::python {
 
 namespace {
 
-std::string setting_text(const std::string& name, const py::handle& value) {
+std::string setting_text(const std::string& name, const py::handle& value, int depth = 0) {
   if (py::isinstance<py::str>(value)) return text_of(value, "set['" + name + "']");
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::int_>(value)) return py::str(value).cast<std::string>();
   if (py::hasattr(value, "__float__"))
     return units::number_text(py::float_(py::reinterpret_borrow<py::object>(value)));
-  if (py::isinstance<py::sequence>(value)) {
+  if (py::isinstance<py::sequence>(value) && depth < 8) {
     std::string out;
     for (const py::handle& entry : value)
-      out += (out.empty() ? "" : ", ") + setting_text(name, entry);
+      out += (out.empty() ? "" : ", ") + setting_text(name, entry, depth + 1);
     return "[" + out + "]";
   }
   throw py::type_error("set['" + name +

@@ -16,6 +16,30 @@ BROKEN = """<scene name="broken" version="1">
 
 
 class Compile(Case):
+    def test_a_list_that_contains_itself(self):
+        values = []
+        values.append(values)
+        with self.assertRaisesRegex(TypeError, "given list"):
+            cg.compile_string(YARD, set={"length": values})
+
+    def test_objects_without_their_constructor(self):
+        from cogrsim import _cogrsim as compiled
+
+        for name, kind in vars(compiled).items():
+            if type(kind) is not type(compiled.Frame):
+                continue
+            try:
+                made = kind.__new__(kind)
+            except TypeError as error:
+                self.assertIn("made by functions of cogrsim", str(error))
+                continue
+            for method in dir(kind):
+                if method.startswith("_"):
+                    continue
+                for arguments in ((), (0,), ("a",), ("a", 1), ([], [])):
+                    with self.assertRaises((TypeError, RuntimeError), msg=f"{name}.{method}"):
+                        getattr(made, method)(*arguments)
+
     def test_scene_from_a_file(self):
         scene = cg.compile(CART)
         self.assertEqual(scene.name, "cart and pole")
