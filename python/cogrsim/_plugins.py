@@ -2,11 +2,20 @@
 
 import difflib
 import importlib
+import os
 import sys
 
 from . import control
 
 _BASES = {"controller": control.Controller, "supervisor": control.Supervisor, "sensor": control.Sensor}
+
+
+class NotFound(LookupError):
+    """There is no such class."""
+
+
+class WrongKind(TypeError):
+    """The class is none of that kind."""
 
 
 def _import(name, folders):
@@ -22,16 +31,16 @@ def _import(name, folders):
 
 
 def find(kind, name, folders):
-    """The class; LookupError: there is none, TypeError: it is of another kind."""
+    """The class. Raises NotFound, WrongKind, and what its module raises."""
     module_name, _, class_name = name[len("py:"):].rpartition(".")
     if not module_name or not class_name:
-        raise LookupError(f"'{name}' is no Python class; write \"py:MODULE.CLASS\"")
+        raise NotFound(f"'{name}' is no Python class; write \"py:MODULE.CLASS\"")
     try:
         module = _import(module_name, folders)
     except ModuleNotFoundError as error:
         if error.name is None or not (module_name + ".").startswith(error.name + "."):
             raise
-        raise LookupError(
+        raise NotFound(
             f"there is no Python module '{module_name}' for the {kind} '{name}'; it is searched like "
             "`import`, and in the folders of plugin_path and COGRSIM_PLUGIN_PATH first") from None
     base = _BASES[kind]
@@ -41,21 +50,22 @@ def find(kind, name, folders):
                    if isinstance(value, type) and issubclass(value, base) and value is not base]
         near = difflib.get_close_matches(class_name, classes, 1)
         there = f"did you mean '{near[0]}'?" if near else "there are " + (", ".join(classes) or "none")
-        raise LookupError(f"module '{module_name}' has no {kind} '{class_name}'; {there}")
+        raise NotFound(f"module '{module_name}' has no {kind} '{class_name}'; {there}")
     if not issubclass(found, base):
-        raise TypeError(f"'{name}' is not derived from cogrsim.{base.__name__}")
+        raise WrongKind(f"'{name}' is not derived from cogrsim.{base.__name__}")
     return found
 
 
 def host_command(name):
     """The command that runs the controller in a process of its own, where modules are found as in this one."""
     if name.startswith("py:__main__."):
-        raise LookupError(f"'{name}' is defined in the program itself, which its own process does not run; "
+        raise NotFound(f"'{name}' is defined in the program itself, which its own process does not run; "
                           "put the class into a module, or leave isolation=\"process\" out")
     if not sys.executable:
-        raise LookupError("the path of the Python interpreter is not known (sys.executable is empty)")
+        raise NotFound("the path of the Python interpreter is not known (sys.executable is empty)")
+    path = [os.fsdecode(folder) for folder in sys.path]
     return [sys.executable, "-u", "-c",
-            f"import sys; sys.path[:] = {sys.path!r}; from cogrsim._plugins import serve; serve()"]
+            f"import sys; sys.path[:] = {path!r}; from cogrsim._plugins import serve; serve()"]
 
 
 def serve():

@@ -117,6 +117,11 @@ def scene_arguments(scene, set=None, plugin_path=()):
     return arguments
 
 
+def seed_of(scene):
+    """The seed that a Scene was compiled with; None: that of its file."""
+    return scene.seed if isinstance(scene, _cogrsim.Scene) else None
+
+
 def entries(name, values, expected):
     """The values as a list. Raises TypeError: a str, or nothing that has entries."""
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):

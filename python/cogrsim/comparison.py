@@ -1,7 +1,7 @@
 """Comparing engines: the results of `cogrsim compare`, as arrays."""
 
 from ._errors import Error
-from ._program import list_argument, number, run_json, scene_arguments, seeds_argument, text, time_argument, whole
+from ._program import list_argument, number, run_json, scene_arguments, seed_of, seeds_argument, text, time_argument, whole
 
 
 class Divergence:
@@ -143,6 +143,8 @@ def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=Non
     arguments += [*time_argument("duration", duration), *time_argument("step", step)]
     if shake is not None:
         arguments += ["--shake", f"{number('shake', shake, 'a length [m]')!r} m"]
+    if seed is None and not seeds:
+        seed = seed_of(scene)
     if seed is not None:
         arguments += ["--seed", str(whole("seed", seed))]
     if threshold is not None:

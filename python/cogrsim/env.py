@@ -35,10 +35,10 @@ def _action_space(scene, names):
     return spaces.Box(numpy.array(low), numpy.array(high), dtype=numpy.float64)
 
 
-def _whole(value, name):
-    if isinstance(value, (int, numpy.integer)) and not isinstance(value, bool) and value >= 0:
+def _whole(value, name, least=0):
+    if isinstance(value, (int, numpy.integer)) and not isinstance(value, bool) and value >= least:
         return int(value)
-    raise TypeError(f"{name}: expected a whole number from 0, given {value!r}")
+    raise TypeError(f"{name}: expected a whole number from {least}, given {value!r}")
 
 
 class VectorEnv(_VectorBase):
@@ -79,7 +79,7 @@ class VectorEnv(_VectorBase):
             raise ValueError(f"scene: expected 1 or {self.num_envs} scenes, given {len(given)}")
         given = [one if isinstance(one, _cogrsim.Scene) else _cogrsim.compile(one) for one in given]
         self.scene = scene = given[0]
-        self.frame_skip = _whole(frame_skip, "frame_skip")
+        self.frame_skip = _whole(frame_skip, "frame_skip", 1)
         if duration is None:
             duration = scene.duration if scene.duration is not None else math.inf
         self._batch = _cogrsim._Batch(
@@ -208,7 +208,7 @@ class Env(_Base):
             if isinstance(value, str):
                 raise TypeError(f"{name}: expected a list of names, given a str; write [{value!r}]")
         self.scene = scene
-        self.frame_skip = _whole(frame_skip, "frame_skip")
+        self.frame_skip = _whole(frame_skip, "frame_skip", 1)
         if duration is None:
             duration = scene.duration if scene.duration is not None else math.inf
         self._batch = _cogrsim._Batch(

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from . import _cogrsim
 from ._errors import Error
 from ._program import (entries, file_path, list_argument, mapping, number, of_type, one_of, run, scene_arguments,
-                       seeds_argument, text, time_argument, whole)
+                       seed_of, seeds_argument, text, time_argument, whole)
 from .recording import Recording
 
 
@@ -66,6 +66,8 @@ def _files(source, set, plugin_path, **of_scenes):
     if not _recorded(source):
         of_type("source", source, (str, os.PathLike, _cogrsim.Scene), "a scene or a recording")
         arguments = scene_arguments(source, set, plugin_path)
+        if seed_of(source) is not None:
+            arguments += ["--seed", str(seed_of(source))]
         for name, value in of_scenes.items():
             arguments += [f"--{name}", text(name, value)] if value is not None else []
         return arguments
@@ -107,6 +109,10 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
     scenes = entries("scenes", scenes, "scenes")
     if not scenes:
         raise ValueError("scenes: expected at least one scene")
+    if not seeds and any(seed_of(scene) is not None for scene in scenes):
+        if len(scenes) > 1:
+            raise ValueError("scenes: expected files, or one Scene, where seeds were given to compile()")
+        seeds = [seed_of(scenes[0])]
     arguments = ["test", "--format", "json", *list_argument("backends", backends), *seeds_argument(seeds),
                  *time_argument("timeout", timeout)]
     if filter is not None:
@@ -131,6 +137,8 @@ def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, 
     """
     import numpy
 
+    if not seeds and seed_of(scene) is not None:
+        seeds = [seed_of(scene)]
     arguments = ["sweep", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
                  *seeds_argument(seeds), *time_argument("until", until), *time_argument("step", step)]
     for name, values in mapping("vary", vary, "values by parameter").items():

@@ -177,8 +177,10 @@ Quat quaternion_of(const py::object& given, const std::string& name) {
 }
 
 Pose pose_of(const py::object& position, const py::object& orientation) {
-  return {position.is_none() ? Vec3(0, 0, 0) : vector_of(position, "position"),
-          quaternion_of(orientation, "orientation")};
+  const Pose X{position.is_none() ? Vec3(0, 0, 0) : vector_of(position, "position"),
+               quaternion_of(orientation, "orientation")};
+  if (!X.p.allFinite()) throw py::value_error("position: expected finite numbers [m]");
+  return X;
 }
 
 py::tuple to_python(const Vec3& v) { return py::make_tuple(v.x(), v.y(), v.z()); }

@@ -1,6 +1,8 @@
 // Controllers in Python.
 #include "cogrsim/control/controller.h"
 
+#include <stdexcept>
+
 #include "python_plugins.h"
 
 namespace cogrsim::python {
@@ -23,6 +25,7 @@ class PyController final : public Controller {
   void update(const Tick& tick) override { call("update", tick); }
   std::optional<std::string> save() const override {
     std::optional<std::string> memory;
+    if (!instance_) return memory;
     call_python(*gate_, [&] { memory = memory_of(instance_->attr("save")()); });
     return memory;
   }
@@ -31,7 +34,8 @@ class PyController final : public Controller {
  private:
   template <class Argument>
   void call(const char* method, Argument&& argument) {
-    if (!instance_) return;  // interrupted while it was made
+    if (!instance_)
+      throw std::runtime_error("it was interrupted while it was made; restart the run");
     call_python(*gate_, [&] { instance_->attr(method)(std::forward<Argument>(argument)); });
   }
 

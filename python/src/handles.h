@@ -2,6 +2,8 @@
 // calls of its owner, so that none outlives what it refers to.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <thread>
 
 #include "cogrsim/assembly/assembly.h"
@@ -13,6 +15,7 @@ namespace cogrsim::python {
 struct Gate {
   bool open = false;
   std::thread::id thread;
+  std::uint64_t call = 0;  ///< number of the call that opened it
   void check(const std::string& what) const;
 };
 using GatePtr = std::shared_ptr<Gate>;
@@ -21,7 +24,9 @@ using GatePtr = std::shared_ptr<Gate>;
 class Opening {
  public:
   explicit Opening(Gate& gate) : gate_(gate), before_(gate) {
+    static std::atomic<std::uint64_t> calls = 0;
     gate_.open = true;
+    gate_.call = ++calls;
     gate_.thread = std::this_thread::get_id();
   }
   ~Opening() { gate_ = before_; }

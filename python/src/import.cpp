@@ -63,7 +63,7 @@ struct Exported : dsl::ExportResult {
 };
 
 std::shared_ptr<Exported> export_model(const py::object& scene, const std::string& format,
-                                                const std::string& assembly) {
+                                       const std::string& assembly) {
   dsl::ExportOptions options;
   options.assembly = assembly;
   const std::pair<const char*, dsl::ExportFormat> formats[] = {{"urdf", dsl::ExportFormat::urdf},
@@ -170,22 +170,23 @@ void bind_import(py::module_& m) {
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write the text to a file, and the meshes into a folder beside it.");
   bind_conversion(exported, "list of ImportEntry, in the order of the scene");
-  m.def("import_model", &import_model, py::arg("path"), py::kw_only(),
-        py::arg("packages") = std::map<std::string, py::object>(),
-        py::arg("arguments") = std::map<std::string, std::string>(), py::arg("drives") = "none",
-        py::arg("fixed_base") = false, py::arg("floor") = true, py::arg("semantics") = py::none(),
-        py::arg("keyframe") = "", py::arg("convex_parts") = 0,
-        "Read a URDF (also xacro), MJCF or SDF file as a scene.\n\n"
-        "packages: folders of ROS packages by name. arguments: of xacro. drives: motors of joints "
-        "for which\n"
-        "the source names none: 'none', 'position', 'torque' or 'velocity'. semantics: an SRDF "
-        "file.\n"
-        "keyframe: of an MJCF, in which the robot starts: its name, or, if it has none, its number "
-        "from 1.\n"
-        "convex_parts: moving meshes of URDF and SDF collide as up to so many convex parts, 1 to 64; "
-        "0: as their\n"
-        "hull. Takes seconds for each mesh.\n"
-        "Raises CompileError (.diagnostics): nothing could be made of it.");
+  m.def(
+      "import_model", &import_model, py::arg("path"), py::kw_only(),
+      py::arg("packages") = std::map<std::string, py::object>(),
+      py::arg("arguments") = std::map<std::string, std::string>(), py::arg("drives") = "none",
+      py::arg("fixed_base") = false, py::arg("floor") = true, py::arg("semantics") = py::none(),
+      py::arg("keyframe") = "", py::arg("convex_parts") = 0,
+      "Read a URDF (also xacro), MJCF or SDF file as a scene.\n\n"
+      "packages: folders of ROS packages by name. arguments: of xacro. drives: motors of joints "
+      "for which\n"
+      "the source names none: 'none', 'position', 'torque' or 'velocity'. semantics: an SRDF "
+      "file.\n"
+      "keyframe: of an MJCF, in which the robot starts: its name, or, if it has none, its number "
+      "from 1.\n"
+      "convex_parts: moving meshes of URDF and SDF collide as up to so many convex parts, 1 to 64; "
+      "0: as their\n"
+      "hull. Takes seconds for each mesh.\n"
+      "Raises CompileError (.diagnostics): nothing could be made of it.");
   m.def("export_model", &export_model, py::arg("scene"), py::arg("format"), py::kw_only(),
         py::arg("assembly") = "",
         "A Scene, or a scene file, at time 0 as 'urdf', 'sdf' or 'mjcf'; an ExportedModel.\n\n"

@@ -84,10 +84,10 @@ Found find(PluginKind kind, const std::string& name, const std::vector<std::stri
   try {
     return declare(kind, name, folders);
   } catch (py::error_already_set& error) {
-    if (error.matches(PyExc_TypeError) || error.matches(PyExc_LookupError)) {
-      return fail(first_argument(error), "", "",
-                  error.matches(PyExc_TypeError) ? "CG0903" : "CG0901");
-    }
+    const py::object ours = py::module_::import("cogrsim._plugins");
+    for (const auto& [kind_of_error, code] :
+         {std::pair("NotFound", "CG0901"), std::pair("WrongKind", "CG0903")})
+      if (error.matches(ours.attr(kind_of_error))) return fail(first_argument(error), "", "", code);
     return fail(std::string(to_string(kind)) + " '" + name +
                     "' cannot be imported: " + exception_text(error),
                 "", "", "CG0902");
@@ -105,8 +105,10 @@ Result<std::vector<std::string>> host(const std::string& name) {
         .attr("host_command")(name)
         .cast<std::vector<std::string>>();
   } catch (py::error_already_set& error) {
-    return fail(error.matches(PyExc_LookupError) ? first_argument(error) : exception_text(error), "",
-                "", "CG0902");
+    return fail(error.matches(py::module_::import("cogrsim._plugins").attr("NotFound"))
+                    ? first_argument(error)
+                    : exception_text(error),
+                "", "", "CG0902");
   }
 }
 

@@ -23,6 +23,7 @@ std::shared_ptr<PyRecorder> record(const SessionPtr& session, const py::object& 
   RecorderOptions options;
   options.path = path_of(path);
   options.rules.overwrite = overwrite;
+  options.rules.inputs = session->scene->files;
   options.every = every;
   options.contacts = contacts;
   options.images = images;

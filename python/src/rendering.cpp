@@ -1,6 +1,9 @@
 // Images: views of pictures, and render().
 #include "rendering.h"
 
+#include <fmt/format.h>
+
+#include "cogrsim/core/constants.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "frame.h"
 #include "scene.h"
@@ -11,6 +14,8 @@ namespace {
 
 /// Where a frame is seen from: a camera of the scene, one of its views, or a standard view.
 Camera camera_of(const Frame& frame, const std::string& name, int width, int height, double fov) {
+  if (!(fov >= 0.0 && fov < kPi))
+    throw py::value_error(fmt::format("fov: expected 0 to pi rad, given {}", fov));
   for (const ViewModel& known : frame.model->views) {
     if (known.name == name)
       return make_camera(view_pose(frame, known), width, height, fov > 0.0 ? fov : known.fov);

@@ -61,6 +61,7 @@ struct Request {
     scene->files = std::move(result.files_read);
     scene->path = path;
     scene->set = options.set_parameters;
+    scene->seed = options.seed;
     scene->loader = std::move(loader);
     return scene;
   }
@@ -195,6 +196,7 @@ void bind_scene(py::module_& m) {
       .def_readonly("files", &Scene::files, "Absolute paths of all files that were read")
       .def_readonly("diagnostics", &Scene::diagnostics, "Warnings and notes of the compiler")
       .def_readonly("set", &Scene::set, "The parameters that were set, as text")
+      .def_readonly("seed", &Scene::seed, "Seed given to compile(), or None: that of the scene")
       .def_property_readonly(
           "bodies", [](const Scene& s) { return names_of(s.model->bodies); },
           "Dotted names of the bodies")

@@ -3,8 +3,11 @@
 
 #include <map>
 
+#include <cstdint>
+#include <optional>
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/plugin/loader.h"
+
 #include "common.h"
 
 namespace cogrsim::python {
@@ -15,6 +18,7 @@ struct Scene {
   std::vector<std::string> files;
   std::string path;  ///< "" for a text
   std::map<std::string, std::string> set;
+  std::optional<std::uint64_t> seed;  ///< given to compile()
   std::shared_ptr<PluginLoader> loader;
 };
 using ScenePtr = std::shared_ptr<const Scene>;

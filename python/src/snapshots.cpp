@@ -49,6 +49,7 @@ void write(Session& session, const std::string& path, bool overwrite) {
   const Use use(session);
   OutputRules rules;
   rules.overwrite = overwrite;
+  rules.inputs = session.scene->files;
   check(write_snapshot(*session.simulation, path, session.scene->set, rules));
 }
 

@@ -35,8 +35,10 @@ FrameContents needs_of(const Held& instance) {
 /// The frame of a context, copied once per call: Python may keep it.
 struct FrameCopy {
   FramePtr frame;
-  PyFrame get(const Frame& now) {
-    if (!frame) frame = std::make_shared<const Frame>(now);
+  std::uint64_t call = 0;  ///< of the gate, when it was made
+  PyFrame get(const Frame& now, const Gate& gate) {
+    if (!frame || call != gate.call) frame = std::make_shared<const Frame>(now);
+    call = gate.call;
     return {frame};
   }
 };
@@ -75,15 +77,18 @@ class PySupervisor final : public Supervisor {
     call_python(*gate_, [&] { instance_->attr("configure")(PyContext{&context, gate_, {}}); });
   }
   void update(const Tick& tick, SupervisorContext& context) override {
-    if (!instance_) return;
+    if (!instance_)
+      throw std::runtime_error("it was interrupted while it was made; restart the run");
     call_python(*gate_, [&] { instance_->attr("update")(tick, PyContext{&context, gate_, {}}); });
   }
   std::optional<std::string> save() const override {
     std::optional<std::string> memory;
+    if (!instance_) return memory;
     call_python(*gate_, [&] { memory = memory_of(instance_->attr("save")()); });
     return memory;
   }
   void restore(const std::string& memory) override {
+    if (!instance_) return;
     call_python(*gate_, [&] { instance_->attr("restore")(memory); });
   }
 
@@ -238,7 +243,7 @@ Commands are queued for the next step boundary; one that cannot be carried out t
 event. Usable only inside the calls of the supervisor.)");
   context
       .def_property_readonly(
-          "frame", [](PyContext& s) { return s.copy.get(s.get().frame()); },
+          "frame", [](PyContext& s) { return s.copy.get(s.get().frame(), *s.gate); },
           "The present Frame, with what the class asks for and the events since the\n"
           "previous update")
       .def(
@@ -270,7 +275,7 @@ event. Usable only inside the calls of the supervisor.)");
   py::class_<PySensing>(m, "SensorContext",
                         "The measured frame, for a sensor; usable only in read().")
       .def_property_readonly(
-          "frame", [](PySensing& s) { return s.copy.get(s.get().frame()); },
+          "frame", [](PySensing& s) { return s.copy.get(s.get().frame(), *s.gate); },
           "The measured Frame, with what the class asks for")
       .def("__repr__", &PySensing::text)
       .def("cast", &cast, py::arg("origin"), py::arg("directions"), py::kw_only(),

@@ -62,10 +62,12 @@ class Boss(cg.Supervisor):
 
     def configure(self, context):
         self.limit = context.parameter("limit")
+        self.kept, self.start = context, context.frame.time
 
     def update(self, tick, context):
         z = context.frame["ball"].z
         self.frames.append(context.frame)
+        assert self.kept.frame.time == context.frame.time, "a context that is kept has the frame of this call"
         context.publish("height", z)
         if z < self.limit:
             context.end_run("low enough")
@@ -162,6 +164,14 @@ class InPython(Case):
             sim.run_until(0.5)
         self.assertEqual(sim.status, "fault")
         self.assertLess(sim.time, 0.35)
+
+    def test_a_module_that_raises_on_import(self):
+        for raised in ("KeyError", "KeyError(5)", "TypeError('it needs more')"):
+            name = f"raising_{abs(hash(raised))}"
+            self.write(f"{name}.py", f"raise {raised}")
+            with self.assertRaisesRegex(cg.CompileError, f"(?s)CG0902.*cannot be imported.*{raised[:8]}"):
+                cg.compile_string(YARD.replace("</assembly>", f'<controller plugin="py:{name}.C"/></assembly>'),
+                                  plugin_path=[self.folder])
 
     def test_a_class_is_not_reloaded(self):
         sim = cg.Simulation(self.compile())

@@ -91,6 +91,13 @@ class Comparisons(Case):
         self.assertEqual(result.backends, ["bullet", "cogrsim"])
         sim = cg.Simulation(cg.compile(CART), backend="cogrsim")
         self.assertEqual(result.runs[1]["state_hash"], sim.run_until(0.2).state_hash)
+        # A scene that was compiled with a seed is compared with that seed.
+        seeded = cg.compile(CART, seed=5)
+        again = cg.compare(seeded, backends=["bullet", "cogrsim"], duration=0.1)
+        self.assertEqual(again.runs[1]["state_hash"],
+                         cg.Simulation(seeded, backend="cogrsim").run_until(0.1).state_hash)
+        self.assertEqual(cg.sweep(seeded, backends=["cogrsim"], until=0.1)["state_hash"][0],
+                         again.runs[1]["state_hash"])
         table = result.table("bodies")
         self.assertEqual(set(table["name"]), {"cart.base", "cart.pole"})
         self.assertTrue((table["position_max"] >= table["position_rms"]).all())

@@ -177,6 +177,15 @@ class Commands(Case):
 
 
 class Snapshots(Case):
+    def test_the_scene_is_never_replaced(self):
+        path = self.write("own.scene.xml", YARD)
+        sim = cg.Simulation(path)
+        with self.assertRaisesRegex(cg.Error, "made from it"):
+            sim.record(path, overwrite=True)
+        with self.assertRaisesRegex(cg.Error, "made from it"):
+            sim.write_snapshot(path, overwrite=True)
+        self.assertEqual(path.read_text(encoding="utf-8"), YARD)
+
     def test_in_memory(self):
         sim = yard()
         sim.run_until(0.2)
