@@ -9,6 +9,8 @@
 All quantities are in SI units, orientations are quaternions w x y z, names are those of scenes and of C++.
 """
 
+import atexit as _atexit
+
 from ._errors import CompileError, Error, RunWarning
 from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
                        Message, Motor, Observation, Reading, Recorder, Robot, Scene, SensorContext,
@@ -96,6 +98,9 @@ def __getattr__(name):
 
 def __dir__():
     return sorted(set(globals()) | set(_LATE))
+
+
+_atexit.register(_c._end_calls)
 
 
 def _no_pickle(self, protocol):

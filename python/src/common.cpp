@@ -1,5 +1,9 @@
 #include "common.h"
 
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/dsl/compiler.h"
 
@@ -79,7 +83,30 @@ InterruptLater::~InterruptLater() {
   if (waiting_) interrupted();
 }
 
+std::atomic<int> calls_under_way = 0;
+
+namespace {
+
+std::atomic<bool> at_exit = false;
+std::atomic<std::thread::id> exit_thread;
+
+}  // namespace
+
+void end_calls() {
+  exit_thread = std::this_thread::get_id();
+  at_exit = true;
+  const py::gil_scoped_release unlock;
+  for (int i = 0; i < 500 && calls_under_way > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+void refuse_at_exit() {
+  if (at_exit && exit_thread.load() != std::this_thread::get_id())
+    throw std::runtime_error("the program ends: nothing is simulated in its other threads");
+}
+
 void InterruptLater::check() {
+  refuse_at_exit();
   if (std::exchange(waiting_, false)) {
     PyErr_SetNone(PyExc_KeyboardInterrupt);
     throw py::error_already_set();

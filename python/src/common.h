@@ -1,6 +1,7 @@
 // Helpers of all binding files: errors, locks, and conversions with checks.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <initializer_list>
@@ -47,6 +48,14 @@ auto held(R (*method)(T&, A...)) {
     return method(*self, std::forward<A>(arguments)...);
   };
 }
+
+/// The interpreter ends: calls of other threads that step raise RuntimeError from now on. Waits for those that
+/// are under way, 5 s at most: a thread that takes the lock of an interpreter that is gone ends the process.
+void end_calls();
+/// Raises RuntimeError after end_calls(), but in the thread that called it.
+void refuse_at_exit();
+/// Number of calls under way.
+extern std::atomic<int> calls_under_way;
 
 /// "'a', 'b', 'c' and 12 more".
 std::string list_of(const std::vector<std::string>& names);

@@ -86,14 +86,7 @@ void write(const Model& model, const std::string& text, OutputKind kind, const f
   rules.overwrite = overwrite;
   rules.inputs = model.files_read;
   check(write_output_file(to.string(), kind, text, rules));
-  for (const dsl::ImportedFile& file : model.files) {
-    const auto beside =
-        output_in(to.has_parent_path() ? to.parent_path().string() : ".", file.name);
-    if (!beside) raise(beside.error());
-    std::error_code error;
-    fs::create_directories(fs::path(*beside).parent_path(), error);
-    check(write_output_file(*beside, OutputKind::other, file.bytes, rules));
-  }
+  check(dsl::write_beside(to.parent_path().string(), model.files, rules));
 }
 
 std::string name_of(const dsl::ImportResult& model) { return "ImportedModel " + model.format; }

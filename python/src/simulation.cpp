@@ -128,7 +128,9 @@ Observation observe(const SessionPtr& session, const py::function& callback, boo
 }  // namespace
 
 Use::Use(Usage& usage, const char* what) : usage_(usage) {
+  refuse_at_exit();
   if (!usage.busy.exchange(true)) {
+    ++calls_under_way;
     usage.thread.store(std::this_thread::get_id());
     return;
   }
@@ -207,6 +209,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
 }
 
 void bind_simulation(py::module_& m) {
+  m.def("_end_calls", &end_calls);
   py::class_<RunMessage>(m, "Message", "A message of a run: a fault, a rejected command, a report.")
       .def_readonly("time", &RunMessage::time, "[s]")
       .def_property_readonly(

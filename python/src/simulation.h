@@ -22,7 +22,10 @@ class Use {
   Use(Usage& usage, const char* what);
   template <class Owner>
   explicit Use(Owner& owner) : Use(owner.usage, Owner::kWhat) {}
-  ~Use() { usage_.busy.store(false); }
+  ~Use() {
+    usage_.busy.store(false);
+    --calls_under_way;
+  }
   Use(const Use&) = delete;
   Use& operator=(const Use&) = delete;
 

@@ -424,6 +424,32 @@ TEST_CASE("an import copies meshes into a folder beside its scene only", "[cli][
   CHECK_FALSE(fs::exists(folder / "outside"));
 }
 
+TEST_CASE("an import writes through no link and opens no pipe", "[cli][output]") {
+  TemporaryFolder folder;
+  const std::string robot = folder.write("robot/a.urdf",
+                                         "<robot name='a'><link name='l'><visual><geometry><mesh "
+                                         "filename='m.stl'/></geometry></visual></link></robot>");
+  folder.write("robot/m.stl",
+               "solid m\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+               "endloop\nendfacet\nendsolid m\n");
+  fs::create_directories(folder.path / "other");
+  fs::create_directories(folder.path / "link");
+  fs::create_directories(folder.path / "pipe/meshes");
+  fs::create_directory_symlink(folder.path / "other", folder.path / "link/meshes");
+  REQUIRE(::mkfifo((folder / "pipe/meshes/m.stl").c_str(), 0600) == 0);
+  REQUIRE(::mkfifo((folder / "pair.srdf").c_str(), 0600) == 0);
+  const Outcome linked = cogrsim_run({"import", robot, "-o", folder / "link/a.scene.xml"});
+  CHECK(linked.status != 0);
+  CHECK_THAT(linked.err, Contains("a link leads out of the folder"));
+  CHECK(fs::is_empty(folder.path / "other"));
+  const Outcome piped = cogrsim_run({"import", robot, "-o", folder / "pipe/a.scene.xml"});
+  CHECK(piped.status != 0);
+  CHECK_THAT(piped.err, Contains("pipe"));
+  const Outcome pairs = cogrsim_run({"import", robot, "--srdf", folder / "pair.srdf"});
+  CHECK(pairs.status != 0);
+  CHECK_THAT(pairs.err, Contains("no regular file"));
+}
+
 TEST_CASE("an import parts links that start inside each other, and knows who runs it", "[cli]") {
   const TemporaryFolder folder;
   const auto link = [](const std::string& name, const std::string& shape) {

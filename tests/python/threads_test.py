@@ -163,5 +163,14 @@ class Threads(Case):
                                     ' rate="1 kHz"/></assembly>', 1), "controller")
 
 
+class Ending(Case):
+    def test_the_program_ends_while_another_thread_steps(self):
+        code = ("import sys, threading, time\nimport cogrsim as cg\nsim = cg.Simulation(sys.argv[1])\n"
+                "sim.observe(lambda frame: None)\n"
+                "threading.Thread(target=sim.run_until, args=(1e9,), daemon=True).start()\ntime.sleep(0.1)\n")
+        done = subprocess.run([sys.executable, "-W", "ignore", "-c", code, str(CART)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
 if __name__ == "__main__":
     main()

@@ -55,8 +55,8 @@ int export_command(const ExportCommandOptions& options) {
   if (print && !result->files.empty())
     return refuse(Error("the meshes of the scene need a folder beside the written file", "",
                         "write to a file with -o"));
-  if (const auto written =
-          write_beside(fs::path(options.output).parent_path().string(), result->files);
+  if (const auto written = dsl::write_beside(fs::path(options.output).parent_path().string(),
+                                             result->files, output_rules());
       !written)
     return refuse(written.error());
   if (const auto written = print ? print_output(result->text)

@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "common/arguments.h"
@@ -15,7 +13,6 @@
 
 namespace cogrsim::cli {
 
-namespace fs = std::filesystem;
 using dsl::Fidelity;
 
 namespace {
@@ -142,23 +139,6 @@ Result<> write_fidelity(const std::string& file, const ConversionTitle& title,
                       file.ends_with(".html")
                           ? fidelity_html(title, report, diagnostics)
                           : json_text(fidelity_json(title, report, diagnostics)));
-}
-
-Result<> write_beside(const std::string& folder, const std::vector<dsl::ImportedFile>& files) {
-  for (const dsl::ImportedFile& file : files) {
-    const fs::path path = fs::path(folder) / file.name;
-    std::error_code fault;
-    fs::create_directories(path.parent_path(), fault);
-    if (std::ifstream there(path, std::ios::binary);
-        there &&
-        std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(), file.bytes.end()))
-      continue;
-    if (auto written =
-            write_output_file(path.string(), OutputKind::other, file.bytes, output_rules());
-        !written)
-      return written;
-  }
-  return {};
 }
 
 }  // namespace cogrsim::cli

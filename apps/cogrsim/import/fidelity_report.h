@@ -40,7 +40,4 @@ Result<> write_fidelity(const std::string& file, const ConversionTitle& title,
                         const dsl::FidelityReport& report,
                         const std::vector<Diagnostic>& diagnostics);
 
-/// Writes the files of a conversion into `folder`. A file that has these bytes already stays.
-Result<> write_beside(const std::string& folder, const std::vector<dsl::ImportedFile>& files);
-
 }  // namespace cogrsim::cli

@@ -189,7 +189,8 @@ int import_command(const ImportCommandOptions& options) {
                                   count_text(lost, "element was", "elements were")));
     return kFailed;
   }
-  if (const auto written = write_beside(import.scene_folder, result.files); !written)
+  if (const auto written = dsl::write_beside(import.scene_folder, result.files, output_rules());
+      !written)
     return refuse(written.error());
   dsl::LoaderCatalog catalog(loader);
   dsl::CompileOptions compile;

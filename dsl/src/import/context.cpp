@@ -129,6 +129,8 @@ Context::Context(const std::string& path, const ImportOptions& given) : options(
 
 std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source& from) {
   std::error_code fault;
+  if (fs::exists(path, fault) && !fs::is_regular_file(path, fault))
+    refuse(from, "CG0101", fmt::format("'{}' is no regular file", shown(path)));
   const std::uintmax_t size = fs::file_size(path, fault);
   if (!fault && bytes_ + size > kMostBytes)
     refuse(from, "CG1402",

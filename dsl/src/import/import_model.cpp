@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "import/robot.h"
 
@@ -79,6 +82,34 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     context.result.scene.clear();
   }
   return std::move(context.result);
+}
+
+Result<> write_beside(const std::string& folder, const std::vector<ImportedFile>& files,
+                      const OutputRules& rules) {
+  namespace fs = std::filesystem;
+  const fs::path root = folder.empty() ? "." : folder;
+  std::error_code fault;
+  for (const ImportedFile& file : files) {
+    const auto path = output_in(root.string(), file.name);
+    if (!path) return tl::unexpected(path.error());
+    const fs::path parent = fs::path(*path).parent_path();
+    const fs::path inside =
+        fs::weakly_canonical(parent, fault).lexically_relative(fs::weakly_canonical(root, fault));
+    if (inside.empty() || *inside.begin() == "..")
+      return fail(
+          fmt::format("cannot write '{}': a link leads out of the folder '{}'", *path, folder), "",
+          "remove the link, or write to another folder");
+    fs::create_directories(parent, fault);
+    if (fs::symlink_status(*path, fault).type() == fs::file_type::regular) {
+      std::ifstream there(*path, std::ios::binary);
+      if (there && std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(),
+                              file.bytes.end()))
+        continue;
+    }
+    if (auto written = write_output_file(*path, OutputKind::other, file.bytes, rules); !written)
+      return written;
+  }
+  return {};
 }
 
 }  // namespace cogrsim::dsl

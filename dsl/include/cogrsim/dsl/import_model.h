@@ -9,6 +9,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/core/export.h"
+#include "cogrsim/core/output_file.h"
 #include "cogrsim/dsl/compiler.h"
 
 namespace cogrsim::dsl {
@@ -106,5 +107,10 @@ COGRSIM_API bool is_foreign_model(std::string_view text);
 /// below the model's folder, its package or a folder of `options.packages`, and nothing else;
 /// writes nothing. The format follows from the root element.
 COGRSIM_API ImportResult import_model(const std::string& path, const ImportOptions& options = {});
+
+/// Writes the files of a conversion below `folder`. A file that has these bytes already stays. Errors: a
+/// name leads out of the folder, also by a link; those of write_output_file().
+COGRSIM_API Result<> write_beside(const std::string& folder, const std::vector<ImportedFile>& files,
+                                  const OutputRules& rules);
 
 }  // namespace cogrsim::dsl
