@@ -172,3 +172,15 @@ TEST_CASE("cameras of MJCF have their picture, and are off until they are asked"
   CHECK(in.reports(kExact, "camera 'eye'", "once it is enabled"));
   CHECK(in.reports(kApproximate, "camera 'chase'", "fixed to its body"));
 }
+
+TEST_CASE("the range of a joint's actuator forces bounds its motors", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><worldbody><body><joint name="even" actuatorfrcrange="-7 7"/><geom size="0.1"/>
+    <body pos="1 0 0"><joint name="odd" actuatorfrcrange="-2 5"/><geom size="0.1"/></body></body></worldbody>
+    <actuator><motor joint="even" gear="100"/></actuator></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.named(in.model->joints, "even").axes[0].max_effort == 7.0);
+  CHECK(in.named(in.model->joints, "odd").axes[0].max_effort == 5.0);
+  CHECK(in.reports(kApproximate, "actuatorfrcrange of joint 'odd'", "both directions"));
+}

@@ -76,11 +76,12 @@ TEST_CASE("axes of a universal joint are made perpendicular", "[sdf]") {
 TEST_CASE("both words for the thread of a screw are read", "[sdf]") {
   const auto pitch = [](const std::string& words) {
     Imported in;
-    in.read(R"(<sdf version="1.9"><model name="m"><link name="a"/><link name="b"><pose>0 0 1 0 0 0</pose></link>
+    in.read(
+        R"(<sdf version="1.9"><model name="m"><link name="a"/><link name="b"><pose>0 0 1 0 0 0</pose></link>
 <joint name="fix" type="fixed"><parent>world</parent><child>a</child></joint>
 <joint name="turn" type="screw"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis>)" +
-                words + "</joint></model></sdf>",
-            "m.sdf");
+            words + "</joint></model></sdf>",
+        "m.sdf");
     REQUIRE(in.model);
     const Joint& turn = in.joint("turn");
     return turn.type == JointType::screw ? turn.pitch : 0.0;
@@ -102,4 +103,32 @@ TEST_CASE("an inertia that SDF gives as zero is taken from the collisions", "[sd
   // 2 m r² / 5
   CHECK((in.body("a").inertia - 0.5 * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12);
   CHECK(in.reports(kApproximate, "inertia of link 'a'", "is zero"));
+}
+
+TEST_CASE("joints of SDF keep their laws, couplings their reference, shapes their bounce",
+          "[sdf]") {
+  Imported in;
+  in.read(R"(<sdf version="1.9"><model name="m">
+    <link name="a"><inertial><mass>1</mass></inertial><collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry>
+      <surface><bounce><restitution_coefficient>0.7</restitution_coefficient></bounce></surface></collision></link>
+    <link name="b"><pose>1 0 0 0 0 0</pose><inertial><mass>1</mass></inertial></link>
+    <link name="c"><pose>2 0 0 0 0 0</pose><inertial><mass>1</mass></inertial></link>
+    <link name="d"><pose>3 0 0 0 0 0</pose><inertial><mass>1</mass></inertial></link>
+    <joint name="turn" type="screw"><parent>a</parent><child>b</child><screw_thread_pitch>0.01</screw_thread_pitch><axis><xyz>1 0 0</xyz>
+      <limit><lower>-0.5</lower><upper>0.5</upper></limit><dynamics><damping>3</damping></dynamics></axis></joint>
+    <joint name="follow" type="revolute"><parent>a</parent><child>c</child><axis><xyz>0 0 1</xyz>
+      <mimic joint="turn"><multiplier>2</multiplier><offset>0.1</offset><reference>0.3</reference></mimic></axis></joint>
+    <joint name="cross" type="universal"><parent>a</parent><child>d</child><axis><xyz>1 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
+      <axis2><xyz>0 1 0</xyz></axis2></joint>
+  </model></sdf>)",
+          "m.sdf");
+  REQUIRE(in.model);
+  const Joint& turn = in.named(in.model->joints, "turn");
+  CHECK(turn.axes[0].lower == -0.5);
+  CHECK(turn.axes[0].upper == 0.5);
+  CHECK(turn.axes[0].damping == 3.0);
+  REQUIRE(in.model->couplings.size() == 1);
+  CHECK(in.model->couplings[0].offset == Approx(0.1 - 2.0 * 0.3).epsilon(1e-12));
+  CHECK(in.result.scene.find("restitution=\"0.7\"") != std::string::npos);
+  CHECK(in.reports(kLeftOut, "<limit> of <axis> of joint 'cross'", "two axes"));
 }

@@ -41,7 +41,9 @@ void MjcfReader::world(const XmlElement& e) {
     } else if (c->name == "camera") {
       ground().sensors.push_back(camera(*c, with_defaults(*c, child_class(e, ""))));
     } else {
-      context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
+      context_.left_out(
+          c->at, quoted_name(*c),
+          c->name == "light" ? "concerns appearance only" : "is not read, nor is what is in it");
     }
   }
 }
@@ -365,6 +367,14 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
   out.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
   out.rest = coordinate(context_.number(e, "springref", 0.0)) - ref;
   out.rotor_inertia = std::max(0.0, context_.number(e, "armature", 0.0));
+  if (const std::string* range = e.find("actuatorfrcrange"); range != nullptr && out.has_one_axis())
+    if (const auto v = context_.numbers(e, *range, 2, 2, "actuatorfrcrange")) {
+      const double most = std::max(std::abs((*v)[0]), std::abs((*v)[1]));
+      if (most > 0.0) out.max_effort = most;
+      if ((*v)[0] != -(*v)[1])
+        context_.approximate(source.at, fmt::format("actuatorfrcrange of joint '{}'", out.name),
+                             fmt::format("bounds both directions by {}", most));
+    }
   if (ref != 0.0) refs_[out.name] = ref;
   if (ref != 0.0)
     context_.exact(source.at, fmt::format("ref of joint '{}'", out.name),

@@ -55,6 +55,7 @@ struct RobotShape {
   unsigned contact_type = 1, contact_affinity = 1;
   std::optional<double> friction;
   double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m]
+  double restitution = 0.0;
   Source at;
 };
 

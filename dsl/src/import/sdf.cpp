@@ -557,8 +557,11 @@ class SdfReader {
       if (!out.color) out.color = Color{1.0, 1.0, 1.0, 1.0};
       out.color->a *= 1.0 - *t;
     }
-    if (const XmlElement* surface = e.child("surface"))
+    if (const XmlElement* surface = e.child("surface")) {
       if (const XmlElement* of = surface->child("friction")) friction(*of, out);
+      if (const auto bounce = value(surface->child("bounce"), "restitution_coefficient"))
+        out.restitution = std::clamp(*bounce, 0.0, 1.0);
+    }
     context_.exact(e.at, quoted_name(e));
     link.shapes.push_back(std::move(out));
   }
@@ -686,8 +689,16 @@ class SdfReader {
     const XmlElement* a = e.child("axis");
     out.axis = axis(a);
     out.axis2 = axis(e.child("axis2"));
-    if (a != nullptr && (out.type == Type::hinge || out.type == Type::slider))
-      axis_law(*a, scope, *type != "continuous", out);
+    if (a != nullptr && out.has_one_axis()) axis_law(*a, scope, *type != "continuous", out);
+    if (a != nullptr && out.type == Type::ball)
+      out.damping = std::max(0.0, value(a->child("dynamics"), "damping").value_or(0.0));
+    if (out.type == Type::universal)
+      for (const char* each : {"axis", "axis2"})
+        for (const char* law : {"limit", "dynamics"})
+          if (const XmlElement* of = e.child(each); of != nullptr && of->child(law) != nullptr)
+            context_.left_out(of->child(law)->at,
+                              fmt::format("<{}> of <{}> of joint '{}'", law, each, *name),
+                              "a joint with two axes is imported without");
     if (out.type == Type::screw) {
       // Since SDF 1.10 [m/turn]; before, [rad/m] of a left-handed thread.
       const auto travel = value(&e, "screw_thread_pitch");
@@ -738,7 +749,9 @@ class SdfReader {
       RobotCoupling c;
       c.terms = {{scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint")),
                   value(mimic, "multiplier").value_or(1.0)}};
-      c.offset = value(mimic, "offset").value_or(0.0);
+      // follower = multiplier (leader - reference) + offset
+      c.offset = value(mimic, "offset").value_or(0.0) -
+                 c.terms[0].ratio * value(mimic, "reference").value_or(0.0);
       out.coupling = c;
     }
   }

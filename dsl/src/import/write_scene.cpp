@@ -126,6 +126,7 @@ class SceneWriter {
         if (!s.color) s.color = o.color;
         if (s.texture.empty()) s.texture = o.texture;
         if (!s.friction) s.friction = o.friction;
+        s.restitution = std::max(s.restitution, o.restitution);
         s.rolling_friction = std::max(s.rolling_friction, o.rolling_friction);
         s.spinning_friction = std::max(s.spinning_friction, o.spinning_friction);
         break;
@@ -162,6 +163,7 @@ class SceneWriter {
                          byte(s.color->b),
                          s.color->a < 1.0 ? fmt::format("{:02x}", byte(s.color->a)) : "");
     if (s.friction && s.collides) out += fmt::format(" friction=\"{}\"", *s.friction);
+    if (s.restitution > 0.0 && s.collides) out += fmt::format(" restitution=\"{}\"", s.restitution);
     if (s.rolling_friction > 0.0 && s.collides)
       out += fmt::format(" rolling-friction=\"{}\"", s.rolling_friction);
     if (s.spinning_friction > 0.0 && s.collides)
