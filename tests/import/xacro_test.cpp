@@ -87,3 +87,18 @@ TEST_CASE("what is wrong in a xacro file is reported at its line", "[xacro]") {
   fails("<xacro:property name=\"a\" value=\"${a}\"/><link name=\"${a}\"/>", "is defined by itself",
         3);
 }
+
+TEST_CASE("macros that make nothing and call each other twice are bounded", "[xacro]") {
+  std::string text = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">";
+  for (int i = 0; i < 60; ++i) {
+    const std::string call = "<xacro:m" + std::to_string(i + 1) + "/>";
+    text += "<xacro:macro name=\"m" + std::to_string(i) + "\" params=\"\">" + call + call +
+            "</xacro:macro>";
+  }
+  text += "<xacro:macro name=\"m60\" params=\"\"/><xacro:m0/><link name=\"a\"/></robot>";
+  Imported in;
+  in.read(text, "r.urdf.xacro");
+  CHECK(in.result.scene.empty());
+  REQUIRE(in.result.diagnostics.size() == 1);
+  CHECK(in.result.diagnostics[0].code == "CG1402");
+}

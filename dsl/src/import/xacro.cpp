@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostElements = 250000;
-constexpr int kMostDepth = 120;  // calls inside calls
+constexpr int kMostDepth = 120;             // calls inside calls
+constexpr std::size_t kMostCalls = 250000;  // also of macros that make nothing
 constexpr int kMostLevels =
     1500;  // elements, blocks and calls inside each other: a matter of the stack
 constexpr std::size_t kMostText = 1u << 20;
@@ -461,6 +462,7 @@ class Xacro {
       refuse(e, fmt::format("there is no macro '{}'", name.substr(0, 60)),
              near.empty() ? "" : fmt::format("did you mean <xacro:{}>?", near));
     }
+    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("macros call each other more than {} deep", kMostDepth));
@@ -531,6 +533,7 @@ class Xacro {
     const Property* p = find(frame, "*" + name);
     if (p == nullptr && !prefix.empty()) p = find(frame, "*" + prefix + name);
     if (p == nullptr || p->block == nullptr) refuse(e, fmt::format("there is no block '{}'", name));
+    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("blocks hold each other more than {} deep", kMostDepth));
@@ -570,6 +573,13 @@ class Xacro {
   std::map<std::string, std::string> defaults_;    // of arguments
   std::vector<std::unique_ptr<XmlElement>> kept_;  // files and elements that macros point into
   std::size_t elements_ = 0, budget_ = 20000000;
+  void count_call(const XmlElement& e) {
+    if (++calls_ > kMostCalls)
+      context_.refuse(e.at, "CG1402",
+                      fmt::format("macros and blocks are used more than {} times", kMostCalls));
+  }
+
+  std::size_t calls_ = 0;
   int depth_ = 0, level_ = 0, text_level_ = 0;
 };
 
