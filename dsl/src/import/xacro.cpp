@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostElements = 250000;
 constexpr int kMostDepth = 120;             // calls inside calls
-constexpr std::size_t kMostCalls = 250000;  // also of macros that make nothing
+constexpr std::size_t kMostCalls = 1000000;  // also of macros that make nothing
 constexpr int kMostLevels =
     1500;  // elements, blocks and calls inside each other: a matter of the stack
 constexpr std::size_t kMostText = 1u << 20;
