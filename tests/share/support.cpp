@@ -15,6 +15,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -231,8 +232,12 @@ Environment WebdavServer::user() {
 
 S3Server::S3Server(const std::vector<std::string>& arguments) {
   require_program(COGRSIM_NODE, "node");
-  std::vector<std::string> command = {COGRSIM_NODE, COGRSIM_SERVERS "/s3.mjs", folder_ / "objects",
-                                      "robots",     "a secret of the tests/+", "eu-test-1"};
+  std::vector<std::string> command = {COGRSIM_NODE,
+                                      std::string(COGRSIM_SERVERS) + "/s3.mjs",
+                                      folder_ / "objects",
+                                      "robots",
+                                      "a secret of the tests/+",
+                                      "eu-test-1"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   start(command);
   port_ = read_port();
