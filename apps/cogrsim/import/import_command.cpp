@@ -95,6 +95,15 @@ Result<dsl::ImportWithout> lacking(const Loader& loader, const std::vector<std::
 
 /// Which installed engines run the scene, and the first reason of each that does not.
 void print_engines(const SceneModelPtr& model, const Loader& loader) {
+  constexpr std::size_t kMostTried = 2000;  // bodies; some engines take minutes to add more
+  if (model->bodies.size() > kMostTried) {
+    std::fputs(fmt::format("  engines were not tried, as there are more than {} bodies: cogrsim run "
+                           "--backend NAME does\n",
+                           kMostTried)
+                   .c_str(),
+               stderr);
+    return;
+  }
   for (const std::string& name : installed_backends(loader)) {
     const std::vector<std::string> reasons = reasons_against(name, model, loader);
     std::string verdict = "runs it";

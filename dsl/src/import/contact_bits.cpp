@@ -1,7 +1,7 @@
-// Which links touch each other, by the bits of their shapes.
+// Which links touch each other, by the bits of their shapes and by their models.
 //
 // Two shapes touch where the contact type of one and the affinity of the other have a bit in common,
-// or where a pair names them. A scene decides per pair of bodies. Bodies of which no shapes may touch
+// or where a pair names them; links of one model only where one of them touches its own. A scene decides per pair of bodies. Bodies of which no shapes may touch
 // are listed; where the list of those that do is the shorter one, that is written instead.
 #include <fmt/format.h>
 
@@ -60,14 +60,20 @@ class ContactBits {
     for (const RobotLink& l : robot_.links)
       for (const RobotShape& s : l.shapes)
         if (s.collides) classes_.emplace(class_of(s), classes_.size());
-    const bool all_touch = std::all_of(classes_.begin(), classes_.end(), [&](const auto& a) {
-      return std::all_of(classes_.begin(), classes_.end(),
-                         [&](const auto& b) { return touch(a.first, b.first); });
-    });
+    std::set<int> models;
+    const bool by_model =
+        std::any_of(robot_.links.begin(), robot_.links.end(), [&](const RobotLink& l) {
+          return l.model >= 0 && !l.self_collides && !models.insert(l.model).second;
+        });
+    const bool all_touch =
+        !by_model && std::all_of(classes_.begin(), classes_.end(), [&](const auto& a) {
+          return std::all_of(classes_.begin(), classes_.end(),
+                             [&](const auto& b) { return touch(a.first, b.first); });
+        });
     if (all_touch) return false;
     if (classes_.size() <= kMostClasses) return true;
     context_.approximate(
-        {}, "contype and conaffinity",
+        {}, robot_.contact_rule,
         fmt::format("more than {} different ones: all shapes touch each other", kMostClasses));
     return false;
   }
@@ -78,10 +84,16 @@ class ContactBits {
       for (RobotShape& s : l.shapes) {
         if (!s.collides || named_shapes_.count(s.name) != 0) continue;
         const Class own = class_of(s);
-        s.collides =
-            touch(own, {1, 1}) || std::any_of(classes_.begin(), classes_.end(),
-                                              [&](const auto& c) { return touch(own, c.first); });
+        s.collides = touch(own, {robot_.usual_bits, robot_.usual_bits}) ||
+                     std::any_of(classes_.begin(), classes_.end(),
+                                 [&](const auto& c) { return touch(own, c.first); });
       }
+  }
+
+  /// By their model.
+  bool are_apart(int one, int two) const {
+    const RobotLink &a = robot_.links[one], &b = robot_.links[two];
+    return a.model >= 0 && a.model == b.model && !a.self_collides && !b.self_collides;
   }
 
   void find_masks() {
@@ -120,7 +132,8 @@ class ContactBits {
       for (int k = i + 1; k < n; ++k) {
         const Masks& b = masks_[k];
         if (b.own == 0 || (robot_.stands(i) && robot_.stands(k))) continue;
-        const bool none = (a.some & b.own) == 0, whole = (a.all & b.own) == b.own;
+        const bool none = (a.some & b.own) == 0 || are_apart(i, k);
+        const bool whole = (a.all & b.own) == b.own;
         if (!none && whole && touching_.size() > kMostPairs) continue;
         if (none && apart_.size() > kMostPairs) continue;
         if (known.count({i, k}) != 0) continue;
@@ -139,6 +152,7 @@ class ContactBits {
     const auto named = [&](const Pair& p) {
       return std::pair(robot_.links[p.first].name, robot_.links[p.second].name);
     };
+    if (apart_.empty() && partly_ == 0) return;
     std::string how;
     if (apart_.size() > touching_.size() && apart_.size() > kFew &&
         touching_.size() <= kMostPairs && !context_.options.prototype_only) {
@@ -150,16 +164,16 @@ class ContactBits {
       how = fmt::format("{} pairs of bodies do not touch", apart_.size());
     } else {
       context_.approximate(
-          {}, "contype and conaffinity",
-          fmt::format("all bodies touch: more than {} pairs do not in MuJoCo", kMostPairs));
+          {}, robot_.contact_rule,
+          fmt::format("all bodies touch: more than {} pairs do not in the source", kMostPairs));
       return;
     }
     if (partly_ == 0)
-      context_.exact({}, "contype and conaffinity", how);
+      context_.exact({}, robot_.contact_rule, how);
     else
       context_.approximate(
-          {}, "contype and conaffinity",
-          fmt::format("{}; in {} pairs that do, all shapes touch, where in MuJoCo only some do",
+          {}, robot_.contact_rule,
+          fmt::format("{}; in {} pairs that do, all shapes touch, where in the source only some do",
                       how, partly_));
   }
   static constexpr std::size_t kFew = 10;  // that anybody would list one by one

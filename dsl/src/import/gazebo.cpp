@@ -85,6 +85,8 @@ class SensorReader {
     if ((kind_ == "force_torque") == place_.joint.empty()) return left_out();
     if (const auto rate = number(&e_, "update_rate"); rate && *rate > 0.0 && std::isfinite(*rate))
       set("rate", fmt::format("{} Hz", *rate));
+    else if (rate && *rate != 0.0)
+      differ("it measures in every step");
     if (child_is_true(e_, "visualize")) set("show", "true");
     const bool depth = is(kDepth);
     if (depth || kind_ == "camera" || kind_ == "segmentation" || kind_ == "segmentation_camera")
@@ -190,6 +192,8 @@ class SensorReader {
     if (const auto fov = number(camera, "horizontal_fov"); fov && *fov > 0.0) {
       if (*fov > 3.1) differ(fmt::format("its opening angle is 3.1 rad, not {:.4g}", *fov));
       set("fov", fmt::format("{} rad", std::min(*fov, 3.1)));
+    } else if (fov) {
+      differ(fmt::format("its opening angle is the usual one, not {:.4g}", *fov));
     }
     const XmlElement* image = descend(camera, {"image"});
     const auto w = number(image, "width"), h = number(image, "height");
@@ -202,7 +206,12 @@ class SensorReader {
     const bool bounded = far && std::isfinite(*far);
     if (near && *near > 0.0 && std::isfinite(*near) && (!bounded || *near < *far))
       set("near", fmt::format("{} m", *near));
-    if (bounded && *far > near.value_or(0.0)) set("far", fmt::format("{} m", *far));
+    else if (near)
+      differ("its nearest distance is the usual one");
+    if (bounded && *far > near.value_or(0.0))
+      set("far", fmt::format("{} m", *far));
+    else if (bounded)
+      differ("its farthest distance is the usual one");
     if (depth) set("depth", "true");
     if (kind_.rfind("segmentation", 0) == 0) {
       set("segmentation", "true");
@@ -235,7 +244,10 @@ class SensorReader {
     const auto count = [&](const XmlElement* in, double otherwise) {
       const double n =
           number(in, "samples").value_or(otherwise) * number(in, "resolution").value_or(1.0);
-      return n >= 1.0 && n <= 1e6 ? std::floor(n) : std::min(std::max(1.0, n), 1e6);
+      if (n >= 1.0 && n <= 1e6) return std::floor(n);
+      const double most = n > 1.0 ? 1e6 : 1.0;
+      differ(fmt::format("it has {} of {} rays", most, n));
+      return most;
     };
     const double rays = count(flat, 640.0);  // the specification's default
     double rings = std::min(count(upright, 1.0), 10000.0);
@@ -246,6 +258,8 @@ class SensorReader {
     set("rays", fmt::format("{}", rays));
     const auto angles = [&](const XmlElement* in, double most, double& middle) {
       const auto low = number(in, "min_angle"), high = number(in, "max_angle");
+      if ((low || high) && (!low || !high || !(*high >= *low) || !std::isfinite(*high - *low)))
+        differ("its angles are the usual ones");
       if (!low || !high || !(*high >= *low) || !std::isfinite(*high - *low)) return -1.0;
       middle = 0.5 * (*low + *high);
       return std::min(*high - *low, most);
@@ -465,8 +479,7 @@ std::vector<RobotDrive> drives_of(Context& context, const XmlElement& plugin,
   } else if (system == "jointcontroller") {
     drive.mode = RobotDrive::Mode::velocity;
     drive.target = number("initial_velocity");
-    if (child_is_true(plugin, "use_force_commands"))
-      differ("holds its speed without its gains");
+    if (child_is_true(plugin, "use_force_commands")) differ("holds its speed without its gains");
     if (most && *most > 0.0 && std::isfinite(*most)) drive.max_effort = *most;
   } else if (system == "applyjointforce") {
     drive.mode = RobotDrive::Mode::torque;

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <set>
+#include <string_view>
+
+#include "import/settings.h"
 
 namespace cogrsim::dsl::import {
 
@@ -12,6 +15,9 @@ RobotModel MjcfReader::read(XmlElement& root) {
   if (const std::string* name = root.find("model")) robot_.name = *name;
   for (const auto& e : root.children)
     if (e->name == "compiler") compiler(*e);
+  settings(root);
+  for (const auto& e : root.children)
+    if (e->name == "worldbody") replicate(*e, root, 0);
   classes_["main"];
   for (const auto& e : root.children)
     if (e->name == "default") default_class(*e, "main", true);
@@ -22,7 +28,8 @@ RobotModel MjcfReader::read(XmlElement& root) {
   for (const auto& e : root.children)
     if (e->name != "worldbody") note_joints(*e, 0);
   for (const auto& e : root.children)
-    if (e->name == "worldbody") world(*e);
+    if (e->name == "worldbody") world(*e, "");
+  set_total_mass();
   for (const auto& e : root.children)
     if (e->name == "tendon")
       for (const auto& c : e->children) tendon(*c);
@@ -33,8 +40,6 @@ RobotModel MjcfReader::read(XmlElement& root) {
   for (const auto& e : root.children) section(*e);
   keyframes(root);
   if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the model has no body");
-  if (total_mass_ > 0.0)
-    context_.left_out({}, "settotalmass", "masses are as the bodies have them");
   return std::move(robot_);
 }
 
@@ -75,6 +80,8 @@ void MjcfReader::compiler(const XmlElement& e) {
       euler_ = value;
     else if (key == "meshdir" || (key == "assetdir" && e.find("meshdir") == nullptr))
       mesh_dir_ = value;
+    else if (key == "strippath")
+      strip_path_ = value == "true";
     else if (key == "autolimits")
       auto_limits_ = value != "false";
     else if (key == "exactmeshinertia")
@@ -110,6 +117,27 @@ void MjcfReader::option(const XmlElement& e) {
     else
       context_.left_out(e.at, fmt::format("option {}", key), "is a setting of MuJoCo's solver");
   }
+}
+
+void MjcfReader::settings(const XmlElement& root) {
+  constexpr std::string_view kContacts = "contacts of a scene are rigid",
+                             kFluid = "forces of a fluid are not simulated";
+  constexpr std::string_view kRigid = "limits, loops and couplings of a scene are rigid";
+  report_settings(
+      context_, root,
+      {{"geom pair", "solref solimp solreffriction solmix margin gap priority", kContacts, "0"},
+       {"geom", "fluidshape fluidcoef", kFluid, "none"},
+       {"geom", "fitscale", "primitives that are fitted to meshes are not read", "1"},
+       {"geom mesh", "shellinertia", "masses are those of full shapes", "false"},
+       {"mesh", "inertia", "masses are those of the mesh's volume", "exact"},
+       {"joint freejoint equality connect weld tendon spatial fixed",
+        "solref solimp solreflimit solimplimit solreffriction solimpfriction margin torquescale",
+        kRigid, "0"},
+       {"joint", "springdamper", "a spring has the stiffness and damping as written", "0 0"},
+       {"joint tendon", "actuatorgravcomp", "motors have their whole effort", "false"},
+       {"position intvelocity", "ctrlrange inheritrange", "targets of a servo have no bounds", "0"},
+       {"compiler", "balanceinertia", "inertias become the nearest that a body can have",
+        "false"}});
 }
 
 void MjcfReader::section(const XmlElement& e) {

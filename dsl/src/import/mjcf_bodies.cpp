@@ -19,12 +19,16 @@ void MjcfReader::note_joints(const XmlElement& e, int depth) {
     for (const auto& c : e.children) note_joints(*c, depth + 1);
 }
 
-void MjcfReader::world(const XmlElement& e) {
+void MjcfReader::world(const XmlElement& e, const std::string& around) {
+  const std::string inner = child_class(e, around);
   for (const auto& c : e.children) {
     if (c->name == "body") {
-      body(*c, -1, child_class(e, ""), 0);
+      body(*c, -1, inner, 0);
+    } else if (c->name == "frame") {
+      in_frame(*c, [&] { world(*c, inner); });
+      context_.exact(c->at, quoted_name(*c));
     } else if (c->name == "geom") {
-      const XmlElement g = with_defaults(*c, child_class(e, ""));
+      const XmlElement g = with_defaults(*c, inner);
       RobotShape shape;
       if (geom(*c, g, {}, shape, nullptr)) {
         if (shape.geometry.type == Geometry::Type::plane ||
@@ -34,12 +38,12 @@ void MjcfReader::world(const XmlElement& e) {
       }
     } else if (c->name == "site") {
       const std::string name = name_of(*c, "site");
-      const Pose X = pose(with_defaults(*c, child_class(e, "")));
+      const Pose X = pose(with_defaults(*c, inner));
       RobotLink& link = ground();
       sites_[name] = {link.name, X};
       link.frames.push_back({name, X, true});
     } else if (c->name == "camera") {
-      ground().sensors.push_back(camera(*c, with_defaults(*c, child_class(e, ""))));
+      ground().sensors.push_back(camera(*c, with_defaults(*c, inner)));
     } else {
       context_.left_out(
           c->at, quoted_name(*c),
@@ -81,8 +85,8 @@ void MjcfReader::body(const XmlElement& e, int parent, const std::string& around
     return;
   }
   const Pose X_PB = pose(e);
-  for (const auto& c : e.children)
-    if (c->name != "body") part_of_body(*c, inner, parts);
+  const Pose outer = std::exchange(frame_, Pose());
+  parts_of_body(e, inner, parts);
   link.inertia = inertia_of(parts);
   for (const auto& [key, value] : e.attributes) {
     if (key == "mocap" && value == "true") {
@@ -94,8 +98,28 @@ void MjcfReader::body(const XmlElement& e, int parent, const std::string& around
   }
   context_.exact(e.at, quoted_name(e));
   const int index = attach(e, std::move(link), parent, X_PB, parts.joints, parts.is_free);
-  for (const auto& c : e.children)
-    if (c->name == "body") body(*c, index, inner, depth + 1);
+  bodies_in(e, index, inner, depth + 1);
+  frame_ = outer;
+}
+
+void MjcfReader::bodies_in(const XmlElement& e, int parent, const std::string& around, int depth) {
+  for (const auto& c : e.children) {
+    if (c->name == "body") body(*c, parent, around, depth);
+    if (c->name == "frame")
+      in_frame(*c, [&] { bodies_in(*c, parent, child_class(*c, around), depth); });
+  }
+}
+
+void MjcfReader::parts_of_body(const XmlElement& e, const std::string& around, BodyParts& parts) {
+  for (const auto& c : e.children) {
+    if (c->name == "body") continue;
+    if (c->name != "frame") {
+      part_of_body(*c, around, parts);
+      continue;
+    }
+    in_frame(*c, [&] { parts_of_body(*c, child_class(*c, around), parts); });
+    context_.exact(c->at, quoted_name(*c));
+  }
 }
 
 void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, BodyParts& parts) {
@@ -108,7 +132,7 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
     if (type != nullptr && *type == "free")
       parts.is_free = true;
     else
-      parts.joints.emplace_back(&c, std::move(j));
+      parts.joints.push_back({&c, std::move(j), frame_});
   } else if (c.name == "inertial") {
     parts.inertial = &c;
   } else if (c.name == "geom") {
@@ -162,8 +186,14 @@ RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
     const std::string* text = e.find(name);
     const auto values = text != nullptr ? context_.numbers(e, *text, 2, 2, name)
                                         : std::optional<std::vector<double>>();
-    if (!values || !((*values)[0] > 0.0) || !((*values)[1] > 0.0)) return std::nullopt;
-    return Eigen::Vector2d((*values)[0], (*values)[1]);
+    if (!values) return std::nullopt;
+    const Eigen::Vector2d both((*values)[0], (*values)[1]);
+    if (both == Eigen::Vector2d::Zero()) return std::nullopt;  // MuJoCo's default: none
+    if (both.minCoeff() > 0.0) return both;
+    context_.error(source.at, "CG1403",
+                   fmt::format("'{}' of {} is '{}'", name, quoted_name(source), *text),
+                   "two numbers above zero are expected");
+    return std::nullopt;
   };
   const auto pixels = pair("resolution");
   if (pixels && pixels->minCoeff() >= 1.0 && pixels->maxCoeff() <= 4096.0 &&
@@ -181,6 +211,13 @@ RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
     half = 0.5 * columns / (*focal_pixels)[0];
   else if (focal && sensor)
     half = 0.5 * (*sensor)[0] / (*focal)[0];
+  if (const auto& f = focal_pixels ? focal_pixels : focal;
+      f && (focal_pixels || (sensor && pixels))) {
+    const Eigen::Vector2d unit =
+        focal_pixels ? Eigen::Vector2d(1.0, 1.0) : Eigen::Vector2d(sensor->cwiseQuotient(*pixels));
+    const Eigen::Vector2d own = f->cwiseQuotient(unit);
+    if (std::abs(own[0] - own[1]) > 1e-6 * own[0]) add_to(differs, "its pixels are square");
+  }
   double fov = 2.0 * std::atan(half);
   if (!(fov > 0.0 && fov <= 3.1)) {
     fov = fov > 3.1 ? 3.1 : 1.0;
@@ -207,10 +244,28 @@ std::optional<RobotInertia> MjcfReader::inertia_of(const BodyParts& parts) {
                          "is by the volume of its meshes; without exactmeshinertia MuJoCo counts "
                          "parts of some twice");
   if (!out) return out;
+  const RobotInertia written = *out;
   out->mass = std::max(out->mass, bound_mass_);
   if (bound_inertia_ > 0.0)
     for (int i = 0; i < 3; ++i) out->I(i, i) = std::max(out->I(i, i), bound_inertia_);
+  if (out->mass != written.mass || out->I != written.I)
+    context_.exact(parts.link.at, fmt::format("mass of body '{}'", parts.link.name),
+                   "is raised to boundmass and boundinertia");
   return out;
+}
+
+void MjcfReader::set_total_mass() {
+  if (!(total_mass_ > 0.0)) return;
+  double sum = 0.0;
+  for (const RobotLink& l : robot_.links)
+    if (l.inertia) sum += l.inertia->mass;
+  if (!(sum > 0.0)) return;
+  for (RobotLink& l : robot_.links)
+    if (l.inertia) {
+      l.inertia->mass *= total_mass_ / sum;
+      l.inertia->I *= total_mass_ / sum;
+    }
+  context_.exact({}, "settotalmass", fmt::format("masses are scaled by {}", total_mass_ / sum));
 }
 
 RobotInertia MjcfReader::sum(const std::vector<RobotInertia>& parts) {
@@ -239,8 +294,7 @@ std::optional<RobotInertia> MjcfReader::given_inertia(const XmlElement& e) {
 }
 
 int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Pose& X_PB,
-                       const std::vector<std::pair<const XmlElement*, XmlElement>>& joints,
-                       bool is_free) {
+                       const std::vector<JointSource>& joints, bool is_free) {
   using Type = RobotJoint::Type;
   if (joints.empty()) {
     RobotJoint j;
@@ -261,7 +315,7 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
     return static_cast<int>(robot_.links.size()) - 1;
   }
   std::vector<RobotJoint> made;
-  for (const auto& [source, j] : joints) made.push_back(joint(*source, j));
+  for (const JointSource& j : joints) made.push_back(joint(*j.source, j.e, j.frame));
   if (planar(made)) {
     RobotJoint j;
     j.type = Type::planar;
@@ -324,7 +378,7 @@ bool MjcfReader::planar(const std::vector<RobotJoint>& joints) const {
          std::abs(slides[0].dot(normal)) < 1e-9 && std::abs(slides[1].dot(normal)) < 1e-9;
 }
 
-RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
+RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e, const Pose& frame) {
   using Type = RobotJoint::Type;
   RobotJoint out;
   out.name = name_of(source, "joint");
@@ -345,11 +399,11 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e) {
   const auto coordinate = [&](double v) { return turns ? angle(v) : v; };
   const Vec3 axis = context_.vec3(e, "axis", Vec3::UnitZ());
   if (axis.norm() > 1e-12)
-    out.axis = axis.normalized();
+    out.axis = frame.q * axis.normalized();
   else if (out.type != Type::ball)
     context_.error(source.at, "CG1409",
                    fmt::format("joint '{}' has an axis of length 0", out.name));
-  out.anchor = context_.vec3(e, "pos", Vec3::Zero());
+  out.anchor = frame * context_.vec3(e, "pos", Vec3::Zero());
   const double ref = coordinate(context_.number(e, "ref", 0.0));
   if (is_limited(e)) {
     const auto v = context_.numbers(source, *e.find("range"), 2, 2, "'range'");

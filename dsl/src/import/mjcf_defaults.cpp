@@ -24,7 +24,10 @@ void MjcfReader::default_class(const XmlElement& e, const std::string& parent, b
 
 void MjcfReader::assets(const XmlElement& e) {
   for (const auto& c : e.children) {
-    const XmlElement a = with_defaults(*c, "");
+    XmlElement a = with_defaults(*c, "");
+    if (strip_path_)
+      for (auto& [attribute, value] : a.attributes)
+        if (attribute == "file") value = std::filesystem::path(value).filename().string();
     const std::string* file = a.find("file");
     const std::string* name = a.find("name");
     std::string key = name != nullptr ? *name : "";
@@ -92,6 +95,19 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
   return out;
 }
 
+Quat MjcfReader::turn(const Vec3& euler) const {
+  Quat out = Quat::Identity();
+  for (int i = 0; i < 3; ++i) {
+    const char c = euler_[static_cast<std::size_t>(i)];
+    const Vec3 axis = c == 'x' || c == 'X'   ? Vec3::UnitX()
+                      : c == 'y' || c == 'Y' ? Vec3::UnitY()
+                                             : Vec3::UnitZ();
+    const Quat part(Eigen::AngleAxisd(angle(euler[i]), axis));
+    out = c >= 'a' ? out * part : part * out;  // small letters: about the moving axes
+  }
+  return out.normalized();
+}
+
 Quat MjcfReader::orientation(const XmlElement& e) {
   if (const std::string* q = e.find("quat")) {
     const auto v = context_.numbers(e, *q, 4, 4, "'quat'");
@@ -105,18 +121,7 @@ Quat MjcfReader::orientation(const XmlElement& e) {
       return Quat(Eigen::AngleAxisd(angle((*v)[3]), Vec3((*v)[0], (*v)[1], (*v)[2]).normalized()));
   } else if (const std::string* u = e.find("euler")) {
     const auto v = context_.numbers(e, *u, 3, 3, "'euler'");
-    if (v) {
-      Quat out = Quat::Identity();
-      for (std::size_t i = 0; i < 3; ++i) {
-        const char c = euler_[i];
-        const Vec3 axis = c == 'x' || c == 'X'   ? Vec3::UnitX()
-                          : c == 'y' || c == 'Y' ? Vec3::UnitY()
-                                                 : Vec3::UnitZ();
-        const Quat turn(Eigen::AngleAxisd(angle((*v)[i]), axis));
-        out = c >= 'a' ? out * turn : turn * out;  // small: about the moving axes
-      }
-      return out.normalized();
-    }
+    if (v) return turn(Vec3((*v)[0], (*v)[1], (*v)[2]));
   } else if (const std::string* xy = e.find("xyaxes")) {
     const auto v = context_.numbers(e, *xy, 6, 6, "'xyaxes'");
     if (v) {

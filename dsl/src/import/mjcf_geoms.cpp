@@ -58,8 +58,9 @@ bool MjcfReader::geom_shape(const XmlElement& source, const XmlElement& e, const
     if (!v) return false;
     const Vec3 a((*v)[0], (*v)[1], (*v)[2]), b((*v)[3], (*v)[4], (*v)[5]);
     half = 0.5 * (b - a).norm();
-    out.X.p = 0.5 * (a + b);
+    out.X = Pose(0.5 * (a + b), Quat::Identity());
     if (half > 1e-12) out.X.q = Quat::FromTwoVectors(Vec3::UnitZ(), a - b).normalized();
+    out.X = frame_ * out.X;
   }
   Geometry& g = out.geometry;
   bool has_size = true;

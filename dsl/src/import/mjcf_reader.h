@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -28,11 +29,16 @@ class MjcfReader {
     Vec3 scale = Vec3::Ones();
     Source at;
   };
+  struct JointSource {
+    const XmlElement* source = nullptr;
+    XmlElement e;  ///< with its defaults
+    Pose frame;    ///< of the <frame> around it, in the body
+  };
   /// The content of a <body>, with the defaults of its classes.
   struct BodyParts {
     RobotLink link;
-    std::vector<std::pair<const XmlElement*, XmlElement>> joints;  ///< as written, with defaults
-    std::vector<RobotInertia> masses;                              ///< of its geoms
+    std::vector<JointSource> joints;
+    std::vector<RobotInertia> masses;  ///< of its geoms
     const XmlElement* inertial = nullptr;
     const XmlElement* mesh = nullptr;  ///< a geom among those of `masses`
     bool is_free = false;
@@ -77,10 +83,14 @@ class MjcfReader {
 
   // ---- files
   void include(XmlElement& in, int depth);
+  /// Puts copies in the place of each <replicate> of a <worldbody>.
+  void replicate(XmlElement& in, XmlElement& root, int depth);
+  std::vector<std::unique_ptr<XmlElement>> copies_of(const XmlElement& e, XmlElement& root);
 
   // ---- settings
   void compiler(const XmlElement& e);
   void option(const XmlElement& e);
+  void settings(const XmlElement& root);
   void default_class(const XmlElement& e, const std::string& parent, bool top);
   void assets(const XmlElement& e);
   void height_field(const XmlElement& source, const XmlElement& e, const std::string& key);
@@ -94,29 +104,46 @@ class MjcfReader {
                            const std::string& as = {});
   double angle(double value) const { return degrees_ ? value * kPi / 180.0 : value; }
   Quat orientation(const XmlElement& e);
-  Pose pose(const XmlElement& e) { return {context_.vec3(e, "pos", Vec3::Zero()), orientation(e)}; }
+  /// By three angles, in the order and units of the compiler.
+  Quat turn(const Vec3& euler) const;
+  /// In the body.
+  Pose pose(const XmlElement& e) {
+    return frame_ * Pose(context_.vec3(e, "pos", Vec3::Zero()), orientation(e));
+  }
 
   // ---- bodies
   /// Joints that actuators, equalities, tendons and sensors name: these keep their own axis. Geoms
   /// that pairs name.
   void note_joints(const XmlElement& e, int depth);
-  void world(const XmlElement& e);
+  void world(const XmlElement& e, const std::string& around);
   /// What is fixed to the world.
   RobotLink& ground();
   static std::string child_class(const XmlElement& e, const std::string& around);
   std::string name_of(const XmlElement& e, const char* kind);
   void body(const XmlElement& e, int parent, const std::string& around, int depth);
+  void parts_of_body(const XmlElement& e, const std::string& around, BodyParts& parts);
   void part_of_body(const XmlElement& c, const std::string& around, BodyParts& parts);
+  /// The bodies in a body, or in a <frame> of it.
+  void bodies_in(const XmlElement& e, int parent, const std::string& around, int depth);
+  /// Calls `use` with the poses of what is in a <frame>.
+  template <class Use>
+  void in_frame(const XmlElement& e, Use use) {
+    const Pose outer = frame_;
+    frame_ = pose(e);
+    use();
+    frame_ = outer;
+  }
   RobotSensor camera(const XmlElement& source, const XmlElement& e);
+  void set_total_mass();
   std::optional<RobotInertia> inertia_of(const BodyParts& parts);
   static RobotInertia sum(const std::vector<RobotInertia>& parts);
   std::optional<RobotInertia> given_inertia(const XmlElement& e);
   /// Adds the link with its joints; several joints need links between them. Returns its index.
   int attach(const XmlElement& e, RobotLink link, int parent, const Pose& X_PB,
-             const std::vector<std::pair<const XmlElement*, XmlElement>>& joints, bool is_free);
+             const std::vector<JointSource>& joints, bool is_free);
   /// Two sliders and a hinge, each perpendicular to the others, without anything else.
   bool planar(const std::vector<RobotJoint>& joints) const;
-  RobotJoint joint(const XmlElement& source, const XmlElement& e);
+  RobotJoint joint(const XmlElement& source, const XmlElement& e, const Pose& frame);
 
   // ---- geoms
   bool geom(const XmlElement& source, const XmlElement& e, const std::string& body, RobotShape& out,
@@ -190,8 +217,10 @@ class MjcfReader {
   std::vector<std::vector<Control>> controls_;  ///< of each actuator
   std::set<std::string> read_geoms_;            ///< with a name
   std::set<std::string> paired_geoms_;          ///< of <pair>, which touch whatever their bits
-  bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false;
+  bool degrees_ = true, auto_limits_ = true, exact_meshes_ = false, strip_path_ = false;
   std::string euler_ = "xyz", mesh_dir_, from_geoms_ = "auto";
+  Pose frame_;              ///< of the <frame>s around what is read, in the body
+  std::size_t copies_ = 0;  ///< elements that <replicate> made
   double bound_mass_ = 0.0, bound_inertia_ = 0.0, total_mass_ = -1.0;
   double first_group_ = 0.0, last_group_ = 5.0;
   int unnamed_ = 0;

@@ -334,15 +334,17 @@ class Welding {
     RobotLink& from = robot_.links[child];
     RobotLink& to = robot_.links[parent];
     to.frames.push_back({from.name, X});
-    for (RobotFrame& f : from.frames) to.frames.push_back({f.name, X * f.X, f.is_site});
-    for (RobotShape& s : from.shapes) {
-      s.X = X * s.X;
-      to.shapes.push_back(std::move(s));
-    }
-    for (RobotSensor& s : from.sensors) {
-      s.X = X * s.X;
-      to.sensors.push_back(std::move(s));
-    }
+    const auto move_all = [&X](auto& list, auto& into) {
+      for (auto& e : list) {
+        e.X = X * e.X;
+        into.push_back(std::move(e));
+      }
+      // With its memory: a chain would keep the parts of all its links at each of them.
+      list = std::remove_reference_t<decltype(list)>();
+    };
+    move_all(from.frames, to.frames);
+    move_all(from.shapes, to.shapes);
+    move_all(from.sensors, to.sensors);
     if (from.inertia) {
       const RobotInertia in_parent = moved(*from.inertia, X);
       if (to.inertia && from.gravity_scale != to.gravity_scale) {
@@ -375,7 +377,6 @@ class Welding {
       }
     }
     link_removed_[child] = true;
-    from.shapes.clear();
   }
 
   bool carries(int link) const {
@@ -527,6 +528,28 @@ void square_axes(Context& context, RobotModel& robot) {
     }
 }
 
+namespace {
+
+/// Sums of numbers that a file may have can be beyond all numbers.
+void check_finite(Context& context, const RobotModel& robot) {
+  for (const RobotLink& l : robot.links)
+    if (!l.X.p.allFinite() || !l.X.q.coeffs().allFinite() ||
+        (l.inertia && !(std::isfinite(l.inertia->mass) && l.inertia->com.allFinite() &&
+                        l.inertia->I.allFinite())))
+      context.refuse(
+          l.at, "CG1402",
+          fmt::format("mass, inertia or position of link '{}' is beyond all numbers", l.name),
+          "check the units of its values");
+  for (const std::vector<RobotJoint>* list : {&robot.joints, &robot.loops})
+    for (const RobotJoint& j : *list)
+      if (!j.X_PC.p.allFinite() || !j.anchor.allFinite())
+        context.refuse(j.at, "CG1402",
+                       fmt::format("position of joint '{}' is beyond all numbers", j.name),
+                       "check the units of its values");
+}
+
+}  // namespace
+
 void weld(Context& context, RobotModel& robot) {
   fix_limited_joints(context, robot);
   Welding welding(context, robot);
@@ -536,6 +559,7 @@ void weld(Context& context, RobotModel& robot) {
   join_excluded_pairs(robot);
   remove_idle_drives(context, robot);
   remove_idle_sensors(context, robot);
+  check_finite(context, robot);
 }
 
 namespace {

@@ -95,6 +95,9 @@ struct RobotLink {
   std::vector<RobotSensor> sensors;
   bool is_static = false;
   double gravity_scale = 1.0;
+  /// Links of one model, 0 or above, touch each other only where one of them does so by itself.
+  int model = -1;
+  bool self_collides = false;
   bool in_wind = false;
   double drag = 0.0;  ///< at its centre of mass [N s/m]
   std::optional<RobotFluid> fluid;
@@ -177,6 +180,9 @@ struct RobotModel {
   std::vector<RobotLight> lights;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
+  /// What in the source says which shapes touch, and the bits of what is not in it.
+  std::string contact_rule = "contype and conaffinity";
+  unsigned usual_bits = 1;
   /// Nothing of the robot touches each other, but for these pairs of links.
   std::optional<std::vector<std::pair<std::string, std::string>>> only_contact;
   std::optional<double> step;   ///< [s]
@@ -212,7 +218,7 @@ void square_axes(Context& context, RobotModel& robot);
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
 
-/// Finds the pairs of links that do not touch by the bits of their shapes.
+/// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.
 void separate_by_bits(Context& context, RobotModel& robot);
 
 /// Names that the scene language takes, unique among bodies, joints, frames, drives and sensors;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -11,6 +13,7 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/geometry/convex_hull.h"
 #include "import/gazebo.h"
+#include "import/settings.h"
 
 namespace cogrsim::dsl::import {
 
@@ -29,8 +32,11 @@ using Names = std::map<std::string, Named>;
 
 /// What a model has for its links and the models in it.
 struct ModelFlags {
-  bool is_static = false, in_wind = false;
+  bool is_static = false, in_wind = false, self_collides = false;
+  int index = 0;
 };
+
+constexpr unsigned kAllBits = 0xffff;  // of shapes without <collide_bitmask>
 
 class SdfReader {
  public:
@@ -39,6 +45,9 @@ class SdfReader {
   RobotModel read(const XmlElement& source) {
     const std::unique_ptr<XmlElement> root = source.copy();
     read_includes(*root, 0);
+    robot_.contact_rule = "self_collide and collide_bitmask";
+    robot_.usual_bits = kAllBits;
+    settings(*root);
     for (const auto& e : root->children) {
       if (e->name == "world")
         world(*e);
@@ -56,6 +65,26 @@ class SdfReader {
   }
 
  private:
+  void settings(const XmlElement& root) {
+    constexpr std::string_view kRigid = "contacts and limits of a scene are rigid";
+    constexpr std::string_view kEven = "friction is the same in all directions";
+    report_settings(
+        context_, root,
+        {{"ode", "kp kd soft_cfm soft_erp max_vel min_depth cfm erp cfm_damping", kRigid, "0"},
+         {"limit", "stiffness dissipation cfm erp", kRigid, "0"},
+         {"bullet", "soft_cfm soft_erp split_impulse split_impulse_penetration_threshold", kRigid,
+          "0"},
+         {"bounce", "threshold", "every impact bounces", "0"},
+         {"ode", "slip1 slip2 fdir1", kEven, "0"},
+         {"bullet", "fdir1", kEven, "0"},
+         {"torsional", "surface_radius use_patch_radius", "the radius is that of the patch", "1"},
+         {"contact", "collide_without_contact", "shapes that only notice are a <region>", "false"},
+         {"contact", "category_bitmask", "shapes touch by collide_bitmask", "65535"},
+         {"collision", "density", "without automatic inertia it has no use"},
+         {"link", "kinematic", "a link moves by forces", "false"},
+         {"model", "allow_auto_disable", "bodies at rest are simulated on", "true"}});
+  }
+
   void left_out(const XmlElement& e) {
     context_.left_out(e.at, quoted_name(e), fmt::format("<{}> is not read", e.name));
   }
@@ -298,6 +327,8 @@ class SdfReader {
     const std::string scope = scope_of(e, outer);
     flags.is_static = flags.is_static || child_is_true(e, "static");
     flags.in_wind = child_is_true(e, "enable_wind", flags.in_wind);
+    flags.self_collides = child_is_true(e, "self_collide");
+    flags.index = model_indices_++;
     Names names = names_of(e, scope, depth);
     for (const auto& c : e.children) {
       if (c->name != "link") continue;
@@ -416,6 +447,8 @@ class SdfReader {
     out.X = X_WM * X_ML;
     out.is_static = flags.is_static;
     out.in_wind = child_is_true(e, "enable_wind", flags.in_wind);
+    out.model = flags.index;
+    out.self_collides = child_is_true(e, "self_collide", flags.self_collides);
     if (robot_.link(out.name) >= 0) {
       context_.error(e.at, "CG1407", fmt::format("a second link '{}'", out.name));
       return;
@@ -425,6 +458,10 @@ class SdfReader {
     inertia.I = Mat3::Identity();
     if (const XmlElement* i = e.child("inertial")) {
       inertia.mass = value(i, "mass").value_or(1.0);
+      if (!(inertia.mass >= 0.0) || !std::isfinite(inertia.mass))
+        context_.error(i->at, "CG1406",
+                       fmt::format("link '{}' has a mass of {} kg", out.name, inertia.mass),
+                       "a mass is a number that is not negative");
       const Pose X = pose_on(*i, X_ML, names);
       inertia.com = X.p;
       if (const XmlElement* m = i->child("inertia")) {
@@ -557,8 +594,11 @@ class SdfReader {
       if (!out.color) out.color = Color{1.0, 1.0, 1.0, 1.0};
       out.color->a *= 1.0 - *t;
     }
+    out.contact_type = out.contact_affinity = kAllBits;
     if (const XmlElement* surface = e.child("surface")) {
-      if (const XmlElement* of = surface->child("friction")) friction(*of, out);
+      if (const XmlElement* of = surface->child("friction")) friction(e, *of, out);
+      if (const XmlElement* of = surface->child("contact"); of != nullptr)
+        bitmask(*of, text(*of, "collide_bitmask"), out);
       if (const auto bounce = value(surface->child("bounce"), "restitution_coefficient"))
         out.restitution = std::clamp(*bounce, 0.0, 1.0);
     }
@@ -618,12 +658,28 @@ class SdfReader {
     return whole > 0.0 && out.geometry.length > 0.0;
   }
 
-  void friction(const XmlElement& e, RobotShape& out) {
+  /// A number, also in hexadecimal digits.
+  void bitmask(const XmlElement& e, const std::string& text, RobotShape& out) {
+    if (text.empty()) return;
+    char* end = nullptr;
+    errno = 0;
+    const unsigned long bits = std::strtoul(text.c_str(), &end, 0);
+    if (*end != '\0' || errno != 0 || bits > 0xffffffff || text.front() == '-')
+      context_.error(e.at, "CG1403", fmt::format("collide_bitmask is '{}'", text.substr(0, 60)),
+                     "a number such as 65535 or 0x0f is expected");
+    else
+      out.contact_type = out.contact_affinity = static_cast<unsigned>(bits);
+  }
+
+  void friction(const XmlElement& shape, const XmlElement& e, RobotShape& out) {
     const auto get = [&](const char* tag, const char* what) {
       const auto v = value(e.child(tag), what);
       return v && *v >= 0.0 && *v < 1e6 ? v : std::nullopt;
     };
     if (const auto mu = get("ode", "mu")) out.friction = *mu;
+    if (const auto mu2 = get("ode", "mu2"); mu2 && *mu2 != out.friction)
+      context_.approximate(shape.at, fmt::format("friction of {}", quoted_name(shape)),
+                           fmt::format("is mu in all directions, not the mu2 of {}", *mu2));
     out.rolling_friction = get("bullet", "rolling_friction").value_or(0.0);
     // Of a pressure on a patch of the radius R as Hertz has it: 3 pi / 16 mu R.
     out.spinning_friction = 3.0 * kPi / 16.0 * get("torsional", "coefficient").value_or(1.0) *
@@ -763,7 +819,7 @@ class SdfReader {
   std::map<std::string, std::shared_ptr<const HeightField>> heights_;  ///< by path
   static constexpr int kNoLink = -2;
   std::vector<int> carrier_;  ///< of each link: the link that its joint hangs on, or the world (-1)
-  int models_ = 0;
+  int models_ = 0, model_indices_ = 0;
 };
 
 }  // namespace

@@ -30,6 +30,9 @@ class SceneWriter {
     std::string body;
     body_ = &body;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
+    if (context_.options.floor && !context_.options.prototype_only && !robot_.has_ground &&
+        !extent_.empty() && std::isfinite(extent_.low[2]))
+      lift_ = std::ceil(-extent_.low[2] * 1e4) / 1e4;
     for (const RobotJoint& j : robot_.joints) joint(j);
     for (const RobotJoint& j : robot_.loops)
       if (start_.closes(j)) joint(j);
@@ -74,11 +77,7 @@ class SceneWriter {
     if (context_.options.floor && !robot_.has_ground)
       out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
     out += fmt::format("  <instance of=\"{}\" name=\"{}\"", type, name);
-    const double lift = context_.options.floor && !robot_.has_ground && !extent_.empty() &&
-                                std::isfinite(extent_.low[2])
-                            ? std::ceil(-extent_.low[2] * 1e4) / 1e4
-                            : 0.0;
-    if (lift != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift);
+    if (lift_ != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift_);
     out += "/>\n";
     if (robot_.only_contact) {
       out += fmt::format("  <collide between=\"{0} {0}\" with=\"false\"/>\n", name);
@@ -271,7 +270,7 @@ class SceneWriter {
       if (found.hulls.size() > 1)
         for (std::size_t i = 0; i < found.hulls.size(); ++i)
           parts.files.push_back(add_file(fmt::format("{}_part{}.obj", path.stem().string(), i + 1),
-                                         obj_text(found.hulls[i])));
+                                         "# CogRSim convex part\n" + obj_text(found.hulls[i])));
     }
     if (parts.files.empty()) return {};
     extend(s, X, bounds->scaled(s.geometry.scale));
@@ -628,7 +627,7 @@ class SceneWriter {
       if (l.fluid && std::any_of(l.shapes.begin(), l.shapes.end(),
                                  [](const RobotShape& s) { return s.collides; }))
         *body_ += fmt::format("    <buoyancy on=\"{}\" level=\"{} m\" density=\"{} kg/m^3\"/>\n",
-                              l.name, l.fluid->level, l.fluid->density);
+                              l.name, l.fluid->level + lift_, l.fluid->density);
     }
   }
 
@@ -691,6 +690,7 @@ class SceneWriter {
   RobotStart start_;
   std::string* body_ = nullptr;
   Bounds extent_;
+  double lift_ = 0.0;  // of the model onto its floor [m]
   struct Parts {
     std::vector<std::string> files;
     double excess = 0.0, excess_of_hull = 0.0;

@@ -147,7 +147,7 @@ bool is_ours(OutputKind kind, std::string_view head, std::string_view tail) {
     case OutputKind::text_table:
       return tail.ends_with(kXmlMark) || tail.ends_with(kPdfMark);
     case OutputKind::other:
-      return false;
+      return head.starts_with(kScriptMark);
   }
   return false;
 }

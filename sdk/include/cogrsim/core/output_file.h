@@ -13,8 +13,9 @@
 
 namespace cogrsim {
 
-/// Contents of an output file. Files of kind `other` carry no CogRSim mark, so they are only
-/// written as new files or with OutputRules::overwrite.
+/// Contents of an output file. Files of kind `other` carry a CogRSim mark only where their first line
+/// begins with "# CogRSim"; without, they are only written as new files or with
+/// OutputRules::overwrite.
 enum class OutputKind {
   json,
   xml,
