@@ -1,4 +1,5 @@
 // Frictions and solids of a source come to the scene.
+#include "cogrsim/dsl/export_model.h"
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -92,4 +93,39 @@ TEST_CASE("ellipsoids, cones and polylines are solids of the scene", "[mjcf][sdf
           "m.sdf");
   CHECK(in.model);
   CHECK(in.reports(dsl::Fidelity::approximate, "", "is the convex hull of its outline"));
+}
+
+TEST_CASE("frictions and bounce go out and come back, or are reported", "[export]") {
+  const dsl::CompileResult compiled = dsl::compile_text(
+      R"(<scene name="s" version="1"><body name="ball" xyz="0 0 1"><sphere radius="0.1" friction="0.6"
+      rolling-friction="0.003 m" spinning-friction="0.02 m" restitution="0.4"/></body></scene>)",
+      "s.scene.xml");
+  INFO(dsl::to_text(compiled.diagnostics));
+  REQUIRE(compiled.ok());
+  const auto format =
+      GENERATE(dsl::ExportFormat::urdf, dsl::ExportFormat::sdf, dsl::ExportFormat::mjcf);
+  dsl::ExportOptions options;
+  options.format = format;
+  const auto out = dsl::export_model(*compiled.model, options);
+  REQUIRE(out);
+  INFO(out->text);
+  std::string lost;
+  for (const dsl::ImportEntry& e : out->entries)
+    if (e.element == "sphere of body 'ball'") lost = e.message;
+  if (format == dsl::ExportFormat::urdf) {
+    CHECK(lost ==
+          "its friction 0.6, its rolling friction 0.003, its spinning friction 0.02, its "
+          "restitution 0.4 are left out");
+    return;
+  }
+  const bool mjcf = format == dsl::ExportFormat::mjcf;
+  CHECK(lost == (mjcf ? "its restitution 0.4 is left out" : ""));
+  Imported back;
+  back.read(out->text, mjcf ? "s.xml" : "s.sdf");
+  REQUIRE(back.model);
+  const Material& m = material_of(back, "ball");
+  CHECK(m.friction == 0.6);
+  CHECK(m.rolling_friction == 0.003);
+  CHECK(std::abs(m.spinning_friction - 0.02) < 1e-15);
+  CHECK(m.restitution == (mjcf ? 0.0 : 0.4));
 }

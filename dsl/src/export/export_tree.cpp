@@ -44,6 +44,22 @@ std::string numbers(const Vec3& v) {
   return fmt::format("{} {} {}", number(v[0]), number(v[1]), number(v[2]));
 }
 
+std::string lost_of(const Material& m, const SurfaceWritten& written) {
+  const Material usual;
+  std::string lost;
+  const auto lose = [&](bool is_written, const char* name, double value, double otherwise) {
+    if (!is_written && value != otherwise)
+      lost += fmt::format("{}its {} {}", lost.empty() ? "" : ", ", name, number(value));
+  };
+  lose(written.friction, "friction", m.friction, usual.friction);
+  lose(written.rolling, "rolling friction", m.rolling_friction, 0.0);
+  lose(written.rolling, "spinning friction", m.spinning_friction, 0.0);
+  lose(written.restitution, "restitution", m.restitution, 0.0);
+  lose(written.stiffness, "stiffness", m.stiffness.value_or(0.0), 0.0);
+  if (!lost.empty()) lost += lost.find(',') == std::string::npos ? " is left out" : " are left out";
+  return lost;
+}
+
 std::vector<AxisStep> axis_steps(JointType type) {
   const AxisStep turn{true, false, Vec3::UnitZ()}, slide{false, true, Vec3::UnitZ()};
   switch (type) {

@@ -60,6 +60,13 @@ struct AxisStep {
 /// has two: its angle and its travel.
 std::vector<AxisStep> axis_steps(JointType type);
 
+/// What of a material a format lacks that writes the friction, the restitution, the stiffness and the
+/// frictions of rolling and spinning, as "its restitution 0.5 is left out"; empty: nothing.
+struct SurfaceWritten {
+  bool friction = false, restitution = false, stiffness = false, rolling = false;
+};
+std::string lost_of(const Material& m, const SurfaceWritten& written);
+
 class ExportTree {
  public:
   ExportTree(const SceneModel& model, const ExportOptions& options);

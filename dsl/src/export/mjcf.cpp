@@ -265,6 +265,9 @@ class MjcfWriter {
   void geom(const Body& b, const Shape& s) {
     const std::string element = fmt::format("{} of body '{}'", to_string(s.type), b.name);
     const Material& m = tree_.model.materials[ExportTree::index(s.material)];
+    SurfaceWritten written;
+    written.friction = written.rolling = true;
+    const std::string lost = s.collides && m.name.empty() ? lost_of(m, written) : "";
     Pose X = s.X_BS;
     xml_.begin("geom");
     switch (s.type) {
@@ -296,7 +299,7 @@ class MjcfWriter {
     if (!s.collides)
       xml_.with("contype", "0").with("conaffinity", "0");
     else
-      xml_.with("friction", numbers(Vec3(m.friction, 0.005, 0.0001)));
+      surface(m);
     if (!s.visible) xml_.with("group", "3");
     xml_.with("rgba", fmt::format("{} {} {} {}", number(m.color.r), number(m.color.g),
                                   number(m.color.b), number(m.color.a)));
@@ -305,8 +308,19 @@ class MjcfWriter {
       tree_.approximate(s.origin, element, "MuJoCo collides with its convex hull");
     else if (s.type == ShapeType::heightmap)
       tree_.approximate(s.origin, element, "heights are rounded to floats, and it has a bottom");
+    else if (!lost.empty())
+      tree_.approximate(s.origin, element, lost);
     else
       tree_.exact(s.origin, element);
+  }
+
+  /// Contacts of MuJoCo have 3 dimensions with sliding friction, 4 with spinning, 6 with rolling too.
+  void surface(const Material& m) {
+    if (m.rolling_friction > 0.0 || m.spinning_friction > 0.0)
+      xml_.with("condim", m.rolling_friction > 0.0 ? 6.0 : 4.0)
+          .with("friction", numbers(Vec3(m.friction, m.spinning_friction, m.rolling_friction)));
+    else
+      xml_.with("friction", numbers(Vec3(m.friction, 0.005, 0.0001)));
   }
 
   void site(const std::string& name, const Pose& X) {
@@ -610,7 +624,9 @@ class MjcfWriter {
       if (const auto f = s.parameters.find("fov"); f != s.parameters.end())
         if (const auto* v = std::get_if<double>(&f->second)) fov = *v;
       camera(tree_.unique_name("camera", s.name), s.X_BS, fov, columns / rows);
-      tree_.exact(s.origin, "camera '" + s.name + "'", "its pose and opening angle");
+      tree_.approximate(s.origin, "camera '" + s.name + "'",
+                        "has its pose and opening angle; resolution, rate, noise and lens are "
+                        "those of the program that draws");
       written_.insert(index);
     } else if (s.type == "imu" || s.type == "pose") {
       site(sensor_site(index), s.X_BS);

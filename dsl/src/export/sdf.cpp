@@ -224,6 +224,19 @@ class SdfWriter {
       xml_.text("mu", m.friction);
       xml_.text("mu2", m.friction);
       xml_.end();
+      if (m.rolling_friction > 0.0) {
+        xml_.begin("bullet");
+        xml_.text("rolling_friction", m.rolling_friction);
+        xml_.end();
+      }
+      if (m.spinning_friction > 0.0) {
+        // Of a pressure on a patch of the radius R as Hertz has it: 3 pi / 16 R.
+        xml_.begin("torsional");
+        xml_.text("coefficient", 1.0);
+        xml_.text("use_patch_radius", "true");
+        xml_.text("patch_radius", m.spinning_friction * 16.0 / (3.0 * M_PI));
+        xml_.end();
+      }
       xml_.end();
       xml_.begin("bounce");
       xml_.text("restitution_coefficient", m.restitution);

@@ -141,7 +141,12 @@ class UrdfWriter {
                mesh);
         }
     }
-    if (s.type == ShapeType::capsule)
+    // A named material has an entry of its own.
+    const Material& m = tree_.model.materials[ExportTree::index(s.material)];
+    const std::string lost = s.collides && m.name.empty() ? lost_of(m, {}) : "";
+    if (!lost.empty())
+      tree_.approximate(s.origin, element, lost);
+    else if (s.type == ShapeType::capsule)
       tree_.exact(s.origin, element, "is a cylinder and two spheres");
     else if (s.type == ShapeType::convex_mesh && s.collides)
       tree_.approximate(s.origin, element,
