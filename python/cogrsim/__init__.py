@@ -11,7 +11,7 @@ All quantities are in SI units, orientations are quaternions w x y z, names are 
 
 import atexit as _atexit
 
-from ._errors import CompileError, Error, RunWarning
+from ._errors import CompileError, Error, RunWarning, _diagnostic
 from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
                        Message, Motor, Observation, Reading, Recorder, Robot, Scene, SensorContext,
                        SensorHandle, Signal, Simulation, Snapshot, SupervisorContext, Tick, check, compile,
@@ -118,6 +118,7 @@ for _name, _class in list(vars(_c).items()):
         _class.__reduce_ex__ = _no_pickle  # that of object makes an instance of pybind11's base, which aborts
         if _name not in ("Simulation", "_Batch", "_Recording"):
             _class.__new__ = _not_made  # without an __init__() that is called the instance would have no memory
+_c.Diagnostic.__reduce_ex__ = lambda self, protocol: (_diagnostic, (self._state(),))
 del _name, _class
 
 __all__ = [name for name in __dir__() if not name.startswith("_")]

@@ -1,6 +1,12 @@
 """Exceptions and warnings of cogrsim."""
 
 
+def _diagnostic(state):
+    """A Diagnostic that was pickled."""
+    from . import _cogrsim
+    return _cogrsim._diagnostic(state)
+
+
 class Error(Exception):
     """An error of a scene, a run or a file: what, where, and the remedy.
 

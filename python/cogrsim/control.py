@@ -6,7 +6,10 @@ the folders of ``plugin_path`` come first. Controllers run in the simulation's p
 """
 
 import math
+import re
 from dataclasses import dataclass
+
+from . import _cogrsim
 
 
 @dataclass(frozen=True)
@@ -42,14 +45,27 @@ class Channel:
     group: int = 0
 
 
+def _checked(kind, name, unit, description):
+    """Raises TypeError and ValueError for a name, unit or description that no declaration has."""
+    for what, value in (("name", name), ("unit", unit), ("description", description)):
+        if not isinstance(value, str):
+            raise TypeError(f"{kind}: expected a {what} of type str, given {type(value).__name__}")
+    if not re.fullmatch("[A-Za-z_][A-Za-z0-9_-]*", name):
+        raise ValueError(f"{kind} {name!r}: a name has letters, digits, '_' and '-', and begins with a letter or '_'")
+    if unit and not _cogrsim._is_unit(unit):
+        raise ValueError(f"{kind} '{name}': '{unit}' is not a unit; expected one such as 'm/s', 'rad' or '1'")
+
+
 def parameter(name, default, unit="", description="", *, range=None, choices=(), required=False):
     """Declare a parameter of a class.
 
     The type of the default is the type of the parameter: 0.2 is a number, 3 an integer, True a boolean,
     "left" a text, [0.0] a list of numbers. unit: SI unit as in a scene ("m/s"); "": none. range: (lowest,
     highest), inclusive, in that unit. choices: allowed values of a text. required: the scene must set it.
-    Raises TypeError for a default of another type.
+    Raises TypeError for a default of another type, ValueError for one that is not allowed, and for a name
+    or unit that no parameter has.
     """
+    _checked("parameter", name, unit, description)
     if isinstance(default, (list, tuple)):
         default = [float(value) for value in default]
     elif not isinstance(default, (bool, int, float, str)):
@@ -57,16 +73,32 @@ def parameter(name, default, unit="", description="", *, range=None, choices=(),
             f"parameter '{name}': expected a default of type bool, int, float, str or list of float, "
             f"given {type(default).__name__}")
     lowest, highest = (-math.inf, math.inf) if range is None else map(float, range)
+    if not lowest <= highest:
+        raise ValueError(f"parameter '{name}': expected a range (lowest, highest), given {range!r}")
+    if range is not None and isinstance(default, (bool, str)):
+        raise TypeError(f"parameter '{name}': a {type(default).__name__} has no range")
+    if isinstance(choices, str) or (choices and not isinstance(default, str)):
+        raise TypeError(f"parameter '{name}': choices are a list of texts, and the default is one of them")
+    if not required:
+        for value in default if isinstance(default, list) else [default]:
+            if range is not None and not lowest <= value <= highest:
+                raise ValueError(f"parameter '{name}': the default {value!r} is outside of {lowest} to {highest}")
+            if choices and value not in choices:
+                raise ValueError(f"parameter '{name}': the default {value!r} is none of {list(choices)}")
     return Parameter(name, default, unit, description, lowest, highest, tuple(choices), required)
 
 
 def output(name, unit="1", description=""):
     """Declare a number that a controller or supervisor publishes: the signal ROBOT.CONTROLLER.NAME."""
+    _checked("output", name, unit, description)
     return Output(name, unit, description)
 
 
 def channel(name, unit="1", *, noisy=True, group=0):
     """Declare one number of the readings of a sensor. noisy: the noise terms of the scene apply to it."""
+    _checked("channel", name, unit, "")
+    if not isinstance(group, int) or isinstance(group, bool) or group < 0:
+        raise ValueError(f"channel '{name}': expected a group from 0, given {group!r}")
     return Channel(name, unit, noisy, group)
 
 

@@ -35,6 +35,26 @@ def _action_space(scene, names):
     return spaces.Box(numpy.array(low), numpy.array(high), dtype=numpy.float64)
 
 
+def _check_names(**lists):
+    for name, value in lists.items():
+        if isinstance(value, str):
+            raise TypeError(f"{name}: expected a list of names, given a str; write [{value!r}]")
+        if name == "backends":
+            continue
+        seen = set()
+        for one in value:
+            if one in seen:
+                raise ValueError(f"{name}: '{one}' is given twice")
+            seen.add(one)
+
+
+def _check_options(options, known=()):
+    for key in options or ():
+        if key not in known:
+            there = "there are " + ", ".join(known) if known else "there are none"
+            raise ValueError(f"options: there is no option {key!r}; {there}")
+
+
 def _whole(value, name, least=0):
     if isinstance(value, (int, numpy.integer)) and not isinstance(value, bool) and value >= least:
         return int(value)
@@ -70,9 +90,7 @@ class VectorEnv(_VectorBase):
 
     def __init__(self, scene, n, *, actions=(), observations=(), done="", reward="", backends=(),
                  frame_skip=1, duration=None, step=0.0, threads=0, missing=0.0):
-        for name, value in (("actions", actions), ("observations", observations), ("backends", backends)):
-            if isinstance(value, str):
-                raise TypeError(f"{name}: expected a list of names, given a str; write [{value!r}]")
+        _check_names(actions=actions, observations=observations, backends=backends)
         self.num_envs = _whole(n, "n")
         given = list(scene) if isinstance(scene, (list, tuple)) else [scene]
         if len(given) not in (1, self.num_envs):
@@ -119,6 +137,7 @@ class VectorEnv(_VectorBase):
         seed: world i gets seed + i; a list gives each world its own (None: the next of its own). options:
         {"reset_mask": (n,) bool} resets only these worlds.
         """
+        _check_options(options, ("reset_mask",))
         worlds = list(range(self.num_envs))
         if options and options.get("reset_mask") is not None:
             mask = numpy.asarray(options["reset_mask"])
@@ -147,7 +166,8 @@ class VectorEnv(_VectorBase):
         """Step every world: (observations (n, nobservation), rewards (n,), terminated (n,), truncated (n,),
         infos). actions: (n, naction), finite; clamped to the limits of the motors.
 
-        infos has, where an episode ended, final_obs (n,) of arrays, final_info with "end" (why) and
+        Errors of the worlds, such as the fault of a controller, are shown as RunWarning. infos has, where an
+        episode ended, final_obs (n,) of arrays, final_info with "end" (why) and
         "message" of each, and the masks _final_obs and _final_info.
         """
         self._fresh = False
@@ -204,9 +224,7 @@ class Env(_Base):
                  frame_skip=1, duration=None, step=0.0, missing=0.0):
         if not isinstance(scene, _cogrsim.Scene):
             scene = _cogrsim.compile(scene)
-        for name, value in (("actions", actions), ("observations", observations)):
-            if isinstance(value, str):
-                raise TypeError(f"{name}: expected a list of names, given a str; write [{value!r}]")
+        _check_names(actions=actions, observations=observations)
         self.scene = scene
         self.frame_skip = _whole(frame_skip, "frame_skip", 1)
         if duration is None:
@@ -230,8 +248,14 @@ class Env(_Base):
         """The present Frame."""
         return self._batch.frame(0)
 
+    @property
+    def messages(self):
+        """list of Message of the present episode."""
+        return self._batch.messages(0)
+
     def reset(self, *, seed=None, options=None):
-        """Start the next episode: (observation (nobservation,), info)."""
+        """Start the next episode: (observation (nobservation,), info). options: there are none."""
+        _check_options(options)
         if _Base is not object:
             super().reset(seed=seed)
         if seed is not None:

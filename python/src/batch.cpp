@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "simulation.h"
 
 namespace cogrsim::python {
@@ -17,8 +19,13 @@ struct PyBatch {
   std::unique_ptr<Batch> batch;
   Held buffer;  ///< of the caller, into which observations are written
   Usage usage;
+  std::vector<std::size_t> warned;  ///< by world: number of messages that have been looked at
 
   ~PyBatch() {
+    if (usage.made_after && *usage.made_after != forks) {
+      static_cast<void>(batch.release());  // its threads are in another process, to wait for
+      return;
+    }
     // Worker threads may wait for the interpreter's lock.
     const py::gil_scoped_release unlock;
     batch.reset();
@@ -79,6 +86,7 @@ BatchPtr make_batch(const std::vector<py::object>& scenes, int count,
   }();
   if (!made) raise("Error", made.error());
   out->batch = std::move(*made);
+  out->usage.made_after = forks;
   return out;
 }
 
@@ -175,10 +183,25 @@ py::array_t<T> of_worlds(const std::vector<EpisodeEnd>& ends, Test&& test) {
   return out;
 }
 
+/// Shows new errors of the worlds as RunWarning.
+void warn_of_worlds(PyBatch& self) {
+  self.warned.resize(static_cast<std::size_t>(self.batch->size()), 0);
+  std::vector<std::string> errors;
+  for (int i = 0; i < self.batch->size(); ++i)
+    for (std::string& text : new_errors(self.batch->world(i), self.warned[i]))
+      errors.push_back(self.batch->size() == 1 ? std::move(text)
+                                               : fmt::format("world {}: {}", i, text));
+  warn(errors);
+}
+
 /// Steps, and gives (observations, rewards, terminated, truncated, whether any episode has ended).
 py::tuple advance_worlds(PyBatch& self, const py::object& actions, int steps) {
   step(self, actions, steps);
   const py::object seen = observations(self);
+  {
+    const Use use(self);
+    warn_of_worlds(self);
+  }
   const Use use(self);
   const std::vector<EpisodeEnd>& ends = self.batch->ends();
   const std::vector<double>& rewards = self.batch->rewards();

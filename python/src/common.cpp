@@ -1,5 +1,7 @@
 #include "common.h"
 
+#include <pthread.h>
+
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -84,6 +86,11 @@ InterruptLater::~InterruptLater() {
 }
 
 std::atomic<int> calls_under_way = 0;
+std::atomic<int> forks = 0;
+
+void count_forks() {
+  ::pthread_atfork(nullptr, nullptr, [] { ++forks; });
+}
 
 namespace {
 

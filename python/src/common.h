@@ -56,6 +56,10 @@ void end_calls();
 void refuse_at_exit();
 /// Number of calls under way.
 extern std::atomic<int> calls_under_way;
+/// Number of fork()s that lead to this process, which has none of the threads from before them.
+extern std::atomic<int> forks;
+/// Counts them from now on.
+void count_forks();
 
 /// "'a', 'b', 'c' and 12 more".
 std::string list_of(const std::vector<std::string>& names);

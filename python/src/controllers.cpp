@@ -20,7 +20,11 @@ class PyController final : public Controller {
     call_python(*gate_, [&] { instance_ = hold((*class_->type)()); });
   }
   void configure(Assembly& robot) override {
-    call("configure", PyAssembly{robot, gate_, class_->table});
+    if (!instance_) throw std::runtime_error(kInterrupted);
+    call_python(*gate_, [&] {
+      gate_->configuring = true;
+      instance_->attr("configure")(PyAssembly{robot, gate_, class_->table});
+    });
   }
   void update(const Tick& tick) override { call("update", tick); }
   std::optional<std::string> save() const override {
@@ -32,10 +36,12 @@ class PyController final : public Controller {
   void restore(const std::string& memory) override { call("restore", memory); }
 
  private:
+  static constexpr const char* kInterrupted =
+      "it was interrupted while it was made; restart the run";
+
   template <class Argument>
   void call(const char* method, Argument&& argument) {
-    if (!instance_)
-      throw std::runtime_error("it was interrupted while it was made; restart the run");
+    if (!instance_) throw std::runtime_error(kInterrupted);
     call_python(*gate_, [&] { instance_->attr(method)(std::forward<Argument>(argument)); });
   }
 

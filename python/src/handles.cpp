@@ -1,6 +1,8 @@
 // The robot of a controller: motors, sensors, parameters.
 #include "handles.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "cogrsim/control/controller.h"
@@ -161,19 +163,25 @@ void bind_handles(py::module_& m) {
 
   py::class_<PyAssembly>(m, "Robot", R"(The assembly of a controller, for configure() and update().
 
-A name that does not exist does not raise: the errors are collected, and loading the scene fails with all of
-them. Usable only inside the calls of the controller.)")
+In configure(), a name that does not exist does not raise: the errors are collected, and loading the scene
+fails with all of them; later it raises KeyError. Usable only inside the calls of the controller.)")
       .def_property_readonly(
           "name", [](PyAssembly& s) { return robot(s).name(); }, "Dotted name of the assembly")
       .def(
           "motor",
           [](PyAssembly& s, const std::string& name) {
-            return PyMotor{s.assembly, robot(s).motor(name), s.gate, name};
+            const MotorHandle motor = robot(s).motor(name);
+            if (!s.gate->configuring && !motor.valid())
+              raise_unknown("motor", name, robot(s).motor_names());
+            return PyMotor{s.assembly, motor, s.gate, name};
           },
           py::arg("name"), "A motor by its name inside the assembly ('left', 'arm.elbow').")
       .def(
           "sensor",
           [](PyAssembly& s, const std::string& name) {
+            const std::vector<std::string> names = robot(s).sensor_names();
+            if (!s.gate->configuring && std::find(names.begin(), names.end(), name) == names.end())
+              raise_unknown("sensor", name, names);
             return PySensor{s.assembly, robot(s).any_sensor(name), s.gate, name};
           },
           py::arg("name"), "A sensor by its name inside the assembly.")

@@ -14,6 +14,7 @@ namespace cogrsim::python {
 /// Whether a call into a plugin is under way.
 struct Gate {
   bool open = false;
+  bool configuring = false;  ///< in configure(), where the SDK collects names that do not exist
   std::thread::id thread;
   std::uint64_t call = 0;  ///< number of the call that opened it
   void check(const std::string& what) const;

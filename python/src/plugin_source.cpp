@@ -116,6 +116,8 @@ Result<std::vector<std::string>> host(const std::string& name) {
 
 void bind_controllers(py::module_& m) {
   set_plugin_source("py:", find, host);
+  m.def("_is_unit",
+        [](const std::string& text) { return text == "1" || units::parse_unit(text).has_value(); });
   m.def("_serve_isolated_controller", &serve_isolated_controller,
         py::call_guard<py::gil_scoped_release>());
 }

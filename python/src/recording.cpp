@@ -11,10 +11,16 @@ namespace cogrsim::python {
 namespace {
 
 struct PyRecorder {
+  static constexpr const char* kWhat = "recorder";
   SessionPtr session;  // outlives the recorder
   std::unique_ptr<Recorder> recorder;
   std::string path;
   bool finished = false;
+  Usage usage;
+
+  ~PyRecorder() {
+    if (usage.made_after && *usage.made_after != forks) static_cast<void>(recorder.release());
+  }
 };
 
 std::shared_ptr<PyRecorder> record(const SessionPtr& session, const py::object& path, double every,
@@ -35,10 +41,12 @@ std::shared_ptr<PyRecorder> record(const SessionPtr& session, const py::object& 
   out->session = session;
   out->path = options.path;
   out->recorder = value_of(Recorder::start(*session->simulation, std::move(options)));
+  out->usage.made_after = forks;
   return out;
 }
 
 void finish(PyRecorder& self) {
+  const Use writing(self);
   const Use use(*self.session);
   if (self.finished) return;
   self.finished = true;

@@ -159,6 +159,46 @@ ScenePtr scene_of(const py::object& scene) {
                        type_name(scene));
 }
 
+namespace {
+
+/// Texts may quote bytes that are no UTF-8.
+py::tuple position_of(const SourcePosition& at) {
+  return py::make_tuple(py::bytes(at.file), at.line, at.column, at.length);
+}
+void locate(SourcePosition& at, const py::tuple& state) {
+  at.file = state[0].cast<std::string>();
+  at.line = state[1].cast<int>();
+  at.column = state[2].cast<int>();
+  at.length = state[3].cast<int>();
+}
+
+py::tuple state_of(const Diagnostic& d) {
+  py::list notes;
+  for (const DiagnosticNote& note : d.notes)
+    notes.append(py::make_tuple(position_of(note), py::bytes(note.message)));
+  return py::make_tuple(position_of(d), static_cast<int>(d.severity), py::bytes(d.code),
+                        py::bytes(d.message), py::bytes(d.source_line), py::bytes(d.help), notes);
+}
+
+Diagnostic diagnostic_of(const py::tuple& state) {
+  Diagnostic d;
+  locate(d, state[0]);
+  d.severity = static_cast<Severity>(state[1].cast<int>());
+  d.code = state[2].cast<std::string>();
+  d.message = state[3].cast<std::string>();
+  d.source_line = state[4].cast<std::string>();
+  d.help = state[5].cast<std::string>();
+  for (const py::handle& note : state[6]) {
+    const auto parts = note.cast<py::tuple>();
+    DiagnosticNote made(parts[1].cast<std::string>());
+    locate(made, parts[0]);
+    d.notes.push_back(std::move(made));
+  }
+  return d;
+}
+
+}  // namespace
+
 void bind_scene(py::module_& m) {
   py::class_<Diagnostic>(m, "Diagnostic", "One finding about a scene: where, what, and the remedy.")
       .def_property_readonly(
@@ -183,10 +223,13 @@ void bind_scene(py::module_& m) {
           },
           "Further lines, such as the instance of a prototype")
       .def("__str__", [](const Diagnostic& d) { return shown(dsl::to_text(d)); })
-      .def("__repr__", [](const Diagnostic& d) {
-        return shown("<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code + " " +
-                     d.position_text() + ": " + d.message + ">");
-      });
+      .def("__repr__",
+           [](const Diagnostic& d) {
+             return shown("<Diagnostic " + std::string(severity_name(d.severity)) + " " + d.code +
+                          " " + d.position_text() + ": " + d.message + ">");
+           })
+      .def("_state", &state_of);
+  m.def("_diagnostic", &diagnostic_of);
 
   py::class_<Scene, std::shared_ptr<Scene>>(
       m, "Scene", "A compiled scene; immutable. Any number of simulations may share it.")

@@ -26,28 +26,6 @@ void raise_pending(Session& session, InterruptLater& interrupt) {
   interrupt.check();
 }
 
-/// The errors of the run since the last call.
-std::vector<std::string> new_errors(Session& session) {
-  const std::vector<RunMessage>& messages = session.simulation->messages();
-  if (session.warned > messages.size()) session.warned = 0;  // restarted
-  std::vector<std::string> out;
-  while (session.warned < messages.size()) {
-    const RunMessage& message = messages[session.warned++];
-    if (message.severity != Severity::error) continue;
-    out.push_back(
-        fmt::format("at {:.6g} s, {}: {}", message.time, message.source, message.message));
-  }
-  return out;
-}
-
-/// Shows them as RunWarning, so that a run that failed is not taken for a good one.
-void warn(const std::vector<std::string>& errors) {
-  for (const std::string& text : errors) {
-    const py::object type = py::module_::import("cogrsim._errors").attr("RunWarning");
-    if (PyErr_WarnEx(type.ptr(), text.c_str(), 1) != 0) throw py::error_already_set();
-  }
-}
-
 /// The line of progress of a run, cogrsim._progress.Progress. The caller does not hold the lock.
 class ProgressLine {
  public:
@@ -127,8 +105,33 @@ Observation observe(const SessionPtr& session, const py::function& callback, boo
 
 }  // namespace
 
+std::vector<std::string> new_errors(const Simulation& run, std::size_t& known) {
+  const std::vector<RunMessage>& messages = run.messages();
+  if (known > messages.size()) known = 0;  // restarted
+  std::vector<std::string> out;
+  while (known < messages.size()) {
+    const RunMessage& message = messages[known++];
+    if (message.severity != Severity::error) continue;
+    out.push_back(
+        fmt::format("at {:.6g} s, {}: {}", message.time, message.source, message.message));
+  }
+  return out;
+}
+
+void warn(const std::vector<std::string>& errors) {
+  for (const std::string& text : errors) {
+    const py::object type = py::module_::import("cogrsim._errors").attr("RunWarning");
+    if (PyErr_WarnEx(type.ptr(), text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+}
+
 Use::Use(Usage& usage, const char* what) : usage_(usage) {
   refuse_at_exit();
+  if (usage.made_after && *usage.made_after != forks)
+    throw std::runtime_error(fmt::format(
+        "the {} was made before this process was forked, and its threads stayed there: make it "
+        "here, or start processes by \"spawn\"",
+        what));
   if (!usage.busy.exchange(true)) {
     ++calls_under_way;
     usage.thread.store(std::this_thread::get_id());
@@ -202,7 +205,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
     if (line) line->show(run.time());
     raise_pending(session, interrupt);
     frame = frame_of(session);
-    errors = new_errors(session);
+    errors = new_errors(*session.simulation, session.warned);
   }
   warn(errors);
   return frame;
@@ -210,6 +213,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
 
 void bind_simulation(py::module_& m) {
   m.def("_end_calls", &end_calls);
+  count_forks();
   py::class_<RunMessage>(m, "Message", "A message of a run: a fault, a rejected command, a report.")
       .def_readonly("time", &RunMessage::time, "[s]")
       .def_property_readonly(
@@ -375,13 +379,16 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
       .def_property_readonly(
           "notes", [](const SessionPtr& s) { return s->notes; },
           "What resume() could not transfer; empty otherwise")
-      .def("observe", &observe, py::arg("callback"), py::kw_only(), py::arg("contacts") = false,
-           py::arg("joint_reactions") = false, py::arg("accelerations") = false,
-           py::arg("for_sensors") = false,
-           "Call callback(frame) with every new frame; the first observer also gets the present "
-           "one.\n"
-           "The flags ask for contents beside state, readings and events. An exception ends the\n"
-           "call that steps, after the step, and is raised there. Returns an Observation.")
+      .def(
+          "observe", &observe, py::arg("callback"), py::kw_only(), py::arg("contacts") = false,
+          py::arg("joint_reactions") = false, py::arg("accelerations") = false,
+          py::arg("for_sensors") = false,
+          "Call callback(frame) with every new frame; the first observer also gets the present "
+          "one.\n"
+          "The flags ask for contents beside state, readings and events. An exception ends the\n"
+          "call that steps, after the step, and is raised there. Returns an Observation. A "
+          "callback that\n"
+          "refers to this simulation keeps it until Observation.end(): use a weak reference there.")
       .def(
           "reload_controller",
           [](const SessionPtr& s, const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <thread>
 
 #include "cogrsim/simulation/simulation.h"
@@ -12,6 +13,8 @@ namespace cogrsim::python {
 
 /// Who is using an object at present.
 struct Usage {
+  /// forks, where threads work for the object: it is of no use in a process that was forked later.
+  std::optional<int> made_after;
   std::atomic<bool> busy{false};
   std::atomic<std::thread::id> thread{};
 };
@@ -53,6 +56,11 @@ SimulationOptions simulation_options(const py::object& backend, double step,
 /// Steps until `end` [s], or `most` steps, and returns the frame there; with `progress`, with a line of
 /// progress. Raises KeyboardInterrupt between two steps.
 PyFrame advance(Session& session, double end, std::uint64_t most, bool progress = false);
+
+/// The errors of a run beyond the first `known` messages, which it counts on.
+std::vector<std::string> new_errors(const Simulation& run, std::size_t& known);
+/// Shows them as RunWarning, so that a run that failed is not taken for a good one.
+void warn(const std::vector<std::string>& errors);
 
 void bind_commands(py::class_<Session, SessionPtr>& type);
 void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type);

@@ -1,6 +1,8 @@
 // Supervisors and sensors in Python.
 #include "cogrsim/control/supervisor.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "cogrsim/rays/ray_caster.h"
@@ -128,12 +130,26 @@ py::tuple cast(const PySensing& self, const py::object& origin, const py::object
   const py::array_t<double> rows = numbers(directions, "directions", {-1, 3});
   std::vector<int> ignored;
   if (!ignore.empty()) {
-    const int body = find_body(*self.get().frame().model, ignore);
-    if (body >= 0) ignored.push_back(body);
+    const SceneModel& model = *self.get().frame().model;
+    const int body = find_body(model, ignore);
+    if (body < 0) {
+      std::vector<std::string> names;
+      for (const Body& b : model.bodies)
+        if (!b.removed) names.push_back(b.name);
+      raise_unknown("body", ignore, names);
+    }
+    ignored.push_back(body);
   }
+  if (!from.allFinite()) throw py::value_error("origin: expected finite numbers [m]");
+  if (!(max_distance >= 0.0))
+    throw py::value_error("max_distance: expected a distance of 0 m or more");
   std::vector<Ray> rays(static_cast<std::size_t>(rows.shape(0)));
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const double* const v = rows.data(static_cast<py::ssize_t>(i), 0);
+    const double length = Vec3(v[0], v[1], v[2]).norm();
+    if (!(length > 0.0) || !std::isfinite(length))
+      throw py::value_error("directions: expected finite vectors that are not zero; row " +
+                            std::to_string(i) + " is none");
     rays[i] = {from, Vec3(v[0], v[1], v[2]), 0.0, max_distance};
   }
   std::vector<RayHit> hits;

@@ -88,6 +88,25 @@ class Height(cg.Sensor):
 class Bad(Height):
     def read(self, context):
         return [1.0, 2.0, 3.0]
+
+class Late(Turner):
+    def update(self, tick):
+        self.robot.motor("trun")
+
+caught = []
+
+class Caster(Height):
+    def read(self, context):
+        up = [[0, 0, 1]]
+        for cast in (lambda: context.cast((0, 0, 0), up, ignore="bal"),
+                     lambda: context.cast((0, 0, 0), [[0, 0, 0]]),
+                     lambda: context.cast((0, 0, 0), up, max_distance=-1.0),
+                     lambda: context.cast((float("nan"), 0, 0), up)):
+            try:
+                cast()
+            except (KeyError, ValueError) as error:
+                caught.append(str(error.args[0]))
+        return [0.0, 0.0]
 '''
 
 
@@ -300,8 +319,38 @@ class InPython(Case):
         self.compile(text)
 
     def test_declarations(self):
-        with self.assertRaisesRegex(TypeError, "expected a default"):
-            cg.parameter("x", object())
+        for declare, error, expected in (
+                (lambda: cg.parameter("x", object()), TypeError, "expected a default"),
+                (lambda: cg.parameter("two words", 1.0), ValueError, "a name has letters"),
+                (lambda: cg.parameter(3, 1.0), TypeError, "name of type str, given int"),
+                (lambda: cg.parameter("x", 1.0, "furlong"), ValueError, "'furlong' is not a unit"),
+                (lambda: cg.parameter("x", 5.0, range=(0, 1)), ValueError, "the default 5.0 is outside of 0"),
+                (lambda: cg.parameter("x", 5.0, range=(1, 0)), ValueError, "expected a range"),
+                (lambda: cg.parameter("x", "a", range=(0, 1)), TypeError, "a str has no range"),
+                (lambda: cg.parameter("x", "c", choices=["a", "b"]), ValueError, "none of"),
+                (lambda: cg.parameter("x", "a", choices="ab"), TypeError, "a list of texts"),
+                (lambda: cg.output("", "m"), ValueError, "a name has letters"),
+                (lambda: cg.output("x", "apples"), ValueError, "not a unit"),
+                (lambda: cg.channel("x", group=-1), ValueError, "group from 0"),
+                (lambda: cg.channel("x", unit=None), TypeError, "unit of type str")):
+            with self.subTest(expected), self.assertRaisesRegex(error, expected):
+                declare()
+        self.assertEqual(cg.parameter("x", 2.0, "m/s", range=(0, 3)).maximum, 3.0)
+        self.assertEqual(cg.parameter("x", 9.0, required=True, range=(0, 3)).default, 9.0)
+
+    def test_a_name_that_is_wrong_later(self):
+        scene = self.compile(ROBOT.replace("PLACE.Turner", "PLACE.Late"))
+        with self.assertWarnsRegex(cg.RunWarning, "there is no motor 'trun'; did you mean 'turn'"):
+            cg.Simulation(scene).run_until(0.1)
+
+    def test_rays_that_are_none(self):
+        text = YARD.replace("</scene>", '<sensor plugin="py:PLACE.Caster" name="caster" on="ball"/></scene>')
+        cg.Simulation(self.compile(text)).step()
+        expected = ["there is no body 'bal'; did you mean 'ball'?", "directions: expected finite vectors",
+                    "max_distance: expected a distance", "origin: expected finite numbers"]
+        for found, begins in zip(self.loaded().caught, expected, strict=False):
+            self.assertTrue(found.startswith(begins), found)
+        self.assertGreaterEqual(len(self.loaded().caught), len(expected))
 
 
 if __name__ == "__main__":

@@ -2,13 +2,15 @@
 
 import gc
 import math
+import os
+import sys
 import unittest
 
 import numpy as np
 
 import cogrsim as cg
 
-from support import CART, ENGINES, YARD, Case, main
+from support import CART, ENGINES, SANITIZED, YARD, Case, main
 
 OPTIONS = {"actions": ["cart.push"], "observations": ["cart.rail.position", "cart.pivot.position"],
            "done": "abs(cart.pivot.position) gt 20 deg", "reward": "1 - abs(cart.pivot.position) / 1 rad"}
@@ -257,6 +259,62 @@ class Single(Case):
         except ImportError:
             self.skipTest("gymnasium is not installed")
         check_env(cg.Env(CART, **OPTIONS))
+
+
+class BadInput(Case):
+    def test_names_and_options(self):
+        with self.assertRaisesRegex(ValueError, "actions: 'cart.push' is given twice"):
+            carts(actions=["cart.push", "cart.push"])
+        with self.assertRaisesRegex(ValueError, "observations: 'cart.x' is given twice"):
+            cg.Env(CART, observations=["cart.x", "cart.x"])
+        with self.assertRaisesRegex(ValueError, "no option 'resetmask'; there are reset_mask"):
+            carts().reset(options={"resetmask": [True]})
+        with self.assertRaisesRegex(ValueError, "no option 'x'; there are none"):
+            cg.Env(CART).reset(options={"x": 1})
+
+    def test_faults_of_worlds_are_shown(self):
+        text = CART.read_text(encoding="utf-8").replace("</scene>", '''
+          <supervisor name="judge" plugin="py:failing_judge.Judge"/></scene>''')
+        self.write("failing_judge.py", """
+import cogrsim as cg
+
+class Judge(cg.Supervisor):
+    def update(self, tick, context):
+        if tick.time > 0.05:
+            raise ZeroDivisionError("after 50 ms")
+""")
+        scene = cg.compile_string(text, plugin_path=[self.folder])
+        env = cg.VectorEnv(scene, 2, frame_skip=100)
+        with self.assertWarnsRegex(cg.RunWarning, "(?s)world 1: at 0.0.* s, .*after 50 ms"):
+            env.step(np.zeros((2, 0)))
+        single = cg.Env(scene, frame_skip=100)
+        with self.assertWarnsRegex(cg.RunWarning, "after 50 ms"):
+            single.step(np.zeros(0))
+        self.assertIn("after 50 ms", single.messages[-1].message)
+
+    @unittest.skipIf(SANITIZED, "a forked process would report what its parent holds")
+    def test_a_forked_process_refuses_what_has_threads(self):
+        env = carts(threads=2)
+        env.reset()
+        sim = cg.Simulation(env.scene)
+        recorder = sim.record(self.folder / "run.mcap")
+        sys.stdout.flush()
+        child = os.fork()
+        if child == 0:
+            for call in (lambda: env.step(np.zeros((4, 1))), recorder.finish):
+                try:
+                    call()
+                    os._exit(1)
+                except RuntimeError as error:
+                    if "before this process was forked" not in str(error):
+                        os._exit(2)
+            del env, recorder
+            gc.collect()
+            cg.VectorEnv(sim.scene, 2, threads=2, observations=["cart.rail.position"]).step(np.zeros((2, 0)))
+            os._exit(0)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
+        env.step(np.zeros((4, 1)))
+        recorder.finish()
 
 
 class Spaces(Case):

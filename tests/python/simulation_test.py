@@ -317,6 +317,21 @@ class Observers(Case):
                 with self.assertRaisesRegex(TypeError, "cannot be pickled"):
                     pickle.dumps(thing, protocol)
 
+    def test_errors_are_pickled(self):
+        with self.assertRaises(cg.CompileError) as caught:
+            cg.compile_string('<scene name="s" version="1"><spher name="b"/></scene>')
+        again = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual(str(again), str(caught.exception))
+        self.assertEqual([str(one) for one in again.diagnostics], [str(one) for one in caught.exception.diagnostics])
+        self.assertEqual(again.diagnostics[0].remedy, caught.exception.diagnostics[0].remedy)
+
+    def test_names_that_no_assembly_has(self):
+        sim = cg.Simulation(cg.compile_string(YARD))
+        for name in ("a.b", "1st", "two words", "a\n"):
+            with self.subTest(name), self.assertWarnsRegex(cg.RunWarning, "an assembly cannot be named"):
+                sim.spawn("pebble", name, position=(3, 3, 3))
+                sim.step()
+
     def test_deleting_in_any_order(self):
         sim = yard()
         frames = []

@@ -56,8 +56,9 @@ Excerpt window(const std::string& line, int column) {
 std::string to_text(const Diagnostic& d, bool color) {
   const Style& s = color ? kAnsi : kPlain;
   const bool bad = d.severity == Severity::error;
-  std::string out = std::string(bad ? s.error : s.warning) + severity_name(d.severity) + "[" + d.code +
-                    "]" + s.off + s.strong + ": " + d.message + s.off + "\n";
+  std::string out = std::string(bad ? s.error : s.warning) + severity_name(d.severity) +
+                    (d.code.empty() ? "" : "[" + d.code + "]") + s.off + s.strong + ": " +
+                    d.message + s.off + "\n";
   // The bars are aligned, behind the line number.
   const std::string number = d.line > 0 ? std::to_string(d.line) : "";
   const std::string gutter(number.empty() ? 2 : number.size(), ' ');

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/expression.h"
 #include "cogrsim/model/builder.h"
 #include "core/index.h"
 #include "geometry/clearance.h"
@@ -59,13 +60,22 @@ int assembly_around(const SceneModel& model, const std::string& name) {
   return -1;
 }
 
+Result<> check_name(const std::string& name) {
+  const auto begins = [](char c) { return expression::is_letter(c) || c == '_'; };
+  const auto goes_on = [&](char c) { return begins(c) || expression::is_digit(c) || c == '-'; };
+  if (!name.empty() && begins(name.front()) && std::all_of(name.begin(), name.end(), goes_on))
+    return {};
+  return fail("an assembly cannot be named '" + name.substr(0, 100) + "'", "",
+              "a name has letters, digits, '_' and '-', and begins with a letter or '_'");
+}
+
 }  // namespace
 
 Result<> SceneActions::check_capacity(const std::string& what, std::size_t bodies) const {
   const auto refuse = [&](const std::string& why) {
-    return fail("cannot add " + what + ": " + why +
-                    "; further requests are rejected without a message",
-                "", "", kTooMany);
+    return fail(
+        "cannot add " + what + ": " + why + "; further requests are rejected without a message", "",
+        "", kTooMany);
   };
   if (events_.memory.added_in_step >= kMaxAddedPerStep) {
     return refuse(std::to_string(kMaxAddedPerStep) + " assemblies were already added in this step");
@@ -91,6 +101,7 @@ Result<> SceneActions::check_supported(const SceneModel& next) const {
 
 Result<> SceneActions::add(const AddAssembly& action, const std::string& subject) {
   if (!action.fragment) return fail("cannot add assembly '" + action.name + "': it is empty");
+  if (auto good = check_name(action.name); !good) return good;
   const std::size_t bodies = action.fragment->bodies.size();
   if (auto checked = check_capacity("'" + action.name + "'", bodies); !checked) {
     return checked;
@@ -173,6 +184,8 @@ Result<> SceneActions::apply(const Spawn& action) {
     do {
       name = action.of + "_" + std::to_string(++number);
     } while (find_assembly(model(), name) >= 0 || find_body(model(), name) >= 0);
+  } else if (auto good = check_name(name); !good) {
+    return good;
   }
 
   const geometry::Clearance around(model(), host_.state().poses);
@@ -199,9 +212,8 @@ Result<> SceneActions::apply(const Spawn& action) {
     const double draw = random.uniform();
     events_.memory.random = random.state();
     if (free.empty()) {
-      return fail("cannot add '" + name + "': none of its " +
-                  std::to_string(action.places.size()) + " places is free; at the first '" +
-                  in_the_way + "' is in the way");
+      return fail("cannot add '" + name + "': none of its " + std::to_string(action.places.size()) +
+                  " places is free; at the first '" + in_the_way + "' is in the way");
     }
     const auto chosen = static_cast<std::size_t>(draw * static_cast<double>(free.size()));
     pose = action.places[free[std::min(chosen, free.size() - 1)]] * action.pose;
