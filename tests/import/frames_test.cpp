@@ -1,4 +1,6 @@
 // <frame> and <replicate> of MJCF, beside the same model written out; settings that scenes do not have.
+#include <cmath>
+
 #include "import_support.h"
 
 using namespace cogrsim;
@@ -213,4 +215,26 @@ TEST_CASE("sums beyond all numbers are refused", "[urdf]") {
           "</link><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/>"
           "</joint></robot>");
   CHECK(in.refuses("CG1402", "of link 'a' is beyond all numbers", 2));
+}
+
+TEST_CASE("a range of an actuator bounds it only if it is one, and is not switched off", "[mjcf]") {
+  Imported in;
+  const auto with = [&](const std::string& attributes) {
+    in.read("<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"0.1\"/></body></worldbody>"
+            "\n<actuator><motor joint=\"j\" " +
+                attributes + "/></actuator></mujoco>",
+            "m.xml");
+  };
+  with("forcerange=\"-3 2\"");
+  REQUIRE(in.model);
+  CHECK(in.model->motors.at(0).max_effort == 3.0);
+  with("forcerange=\"-3 2\" forcelimited=\"false\"");
+  REQUIRE(in.model);
+  CHECK(std::isinf(in.model->motors.at(0).max_effort));
+  for (const char* bad : {"0 0", "2 -2"}) {
+    with("forcerange=\"" + std::string(bad) + "\"");
+    CHECK(in.refuses("CG1403", "the second above the first", 2));
+  }
+  with("forcerange=\"1 2 3\"");
+  CHECK(in.refuses("CG1403", "one number too many"));
 }

@@ -17,9 +17,20 @@ double MjcfReader::parameter(const XmlElement& e, const char* name, std::size_t 
   return v && i < v->size() ? (*v)[i] : otherwise;
 }
 
-double MjcfReader::largest(const XmlElement& e, const char* range) {
-  if (e.find(range) == nullptr) return std::numeric_limits<double>::infinity();
-  return std::max(std::abs(parameter(e, range, 0, 0.0)), std::abs(parameter(e, range, 1, 0.0)));
+double MjcfReader::largest(const XmlElement& e, const std::string& of) {
+  const double none = std::numeric_limits<double>::infinity();
+  const std::string range = of + "range";
+  const std::string *text = e.find(range), *limited = e.find(of + "limited");
+  const bool by_itself = limited == nullptr || *limited == "auto";
+  if (text == nullptr || (by_itself ? !auto_limits_ : *limited != "true")) return none;
+  const auto v = context_.numbers(e, *text, 2, 2, fmt::format("'{}'", range));
+  if (!v) return none;
+  if (!((*v)[0] < (*v)[1])) {
+    context_.error(e.at, "CG1403", fmt::format("'{}' of {} is '{}'", range, quoted_name(e), *text),
+                   "two numbers are expected, the second above the first");
+    return none;
+  }
+  return std::max(std::abs((*v)[0]), std::abs((*v)[1]));
 }
 
 std::optional<MjcfReader::Transmission> MjcfReader::actuator_joints(const XmlElement& source,
@@ -113,7 +124,7 @@ void MjcfReader::actuator(const XmlElement& source) {
   const auto law = actuator_law(source, e);
   if (!law) return;
   const double gear = parameter(e, "gear", 0, 1.0);
-  const double force = largest(e, "forcerange"), control = largest(e, "ctrlrange");
+  const double force = largest(e, "force"), control = largest(e, "ctrl");
   const bool several = acts->joints.size() > 1;
   if (several && law->mode != Mode::torque) {
     context_.left_out(source.at, quoted_name(source),

@@ -168,8 +168,8 @@ class MjcfReader {
   std::optional<Transmission> actuator_joints(const XmlElement& source, const XmlElement& e);
   /// The i-th number of an attribute.
   double parameter(const XmlElement& e, const char* name, std::size_t i, double otherwise);
-  /// The larger absolute value of a range; infinite where there is none.
-  double largest(const XmlElement& e, const char* range);
+  /// The larger absolute value of the range of "force" or "ctrl"; infinite where it bounds nothing.
+  double largest(const XmlElement& e, const std::string& of);
   void equality(const XmlElement& source);
   std::vector<double> polynomial(const XmlElement& source, const XmlElement& e);
   /// What of it a coupling does not have; empty: nothing.

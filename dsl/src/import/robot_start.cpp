@@ -64,7 +64,9 @@ bool RobotStart::closes(const RobotJoint& j) {
     return left_out("a coupling with an offset moves a joint of it at the start");
   // A loop's first joint hangs a free tree up, which then moves about it.
   const auto end = [&](int link) {
-    while (link >= 0 && inboard_[link] != nullptr) link = inboard_[link]->parent;
+    while (link >= 0 && inboard_[link] != nullptr &&
+           inboard_[link]->type != RobotJoint::Type::free)
+      link = inboard_[link]->parent;
     for (auto on = hung_.find(link); on != hung_.end(); on = hung_.find(link)) link = on->second;
     return robot_.stands(link) ? -1 : link;
   };
