@@ -1,6 +1,7 @@
 // <frame> and <replicate> of MJCF, beside the same model written out; settings that scenes do not have.
 #include <cmath>
 
+#include "cogrsim/core/constants.h"
 #include "import_support.h"
 
 using namespace cogrsim;
