@@ -164,9 +164,10 @@ class VectorEnv(_VectorBase):
 
     def step(self, actions):
         """Step every world: (observations (n, nobservation), rewards (n,), terminated (n,), truncated (n,),
-        infos). actions: (n, naction), finite; clamped to the limits of the motors.
+        infos). actions: (n, naction), finite; clamped to the limits of the motors. Ctrl-C raises
+        KeyboardInterrupt when the step has ended.
 
-        Errors of the worlds, such as the fault of a controller, are shown as RunWarning. infos has, where an
+        Errors of worlds that go on, such as the fault of a controller, are shown as RunWarning. infos has, where an
         episode ended, final_obs (n,) of arrays, final_info with "end" (why) and
         "message" of each, and the masks _final_obs and _final_info.
         """

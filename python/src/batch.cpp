@@ -183,14 +183,16 @@ py::array_t<T> of_worlds(const std::vector<EpisodeEnd>& ends, Test&& test) {
   return out;
 }
 
-/// Shows new errors of the worlds as RunWarning.
+/// Shows new errors of the worlds as RunWarning, but for those whose episode ended: infos have the reason.
 void warn_of_worlds(PyBatch& self) {
   self.warned.resize(static_cast<std::size_t>(self.batch->size()), 0);
   std::vector<std::string> errors;
-  for (int i = 0; i < self.batch->size(); ++i)
-    for (std::string& text : new_errors(self.batch->world(i), self.warned[i]))
-      errors.push_back(self.batch->size() == 1 ? std::move(text)
-                                               : fmt::format("world {}: {}", i, text));
+  for (int i = 0; i < self.batch->size(); ++i) {
+    const std::vector<std::string> found = new_errors(self.batch->world(i), self.warned[i]);
+    if (self.batch->ends()[i] != EpisodeEnd::none) continue;
+    for (const std::string& text : found)
+      errors.push_back(self.batch->size() == 1 ? text : fmt::format("world {}: {}", i, text));
+  }
   warn(errors);
 }
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include "cogrsim/core/parameter.h"
@@ -24,6 +25,9 @@ void raise(const char* type, const std::string& text, const std::vector<Diagnost
 
 void raise(const Error& error) {
   std::string text = error.text();
+  constexpr std::string_view kOption = "--overwrite";
+  if (const std::size_t at = text.find(kOption); at != std::string::npos)
+    text.replace(at, kOption.size(), "overwrite=True");
   if (!error.code.empty()) text = "[" + error.code + "] " + text;
   raise("Error", text, {to_diagnostic(error)});
 }

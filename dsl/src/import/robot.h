@@ -114,7 +114,16 @@ struct RobotCoupling {
   double offset = 0.0;
 };
 
-struct RobotJoint {
+/// Limits and passive efforts along one axis.
+struct AxisLaw {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  double max_effort = std::numeric_limits<double>::infinity();
+  double max_speed = std::numeric_limits<double>::infinity();
+  double damping = 0.0, friction = 0.0, stiffness = 0.0, rest = 0.0;
+};
+
+struct RobotJoint : AxisLaw {
   enum class Type { fixed, hinge, slider, ball, planar, free, universal, screw } type = Type::fixed;
   std::string name;
   int parent = -1;  ///< by RobotModel::links; -1: the world
@@ -123,11 +132,7 @@ struct RobotJoint {
   Vec3 anchor = Vec3::Zero();  ///< of the joint in the child
   Vec3 axis = Vec3::UnitX();   ///< in the joint's frame, unit
   Vec3 axis2 = Vec3::UnitY();
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  double max_effort = std::numeric_limits<double>::infinity();
-  double max_speed = std::numeric_limits<double>::infinity();
-  double damping = 0.0, friction = 0.0, stiffness = 0.0, rest = 0.0;
+  AxisLaw second;                ///< of a universal joint's second axis
   double rotor_inertia = 0.0;    ///< added to the axis [kg m^2] or [kg]
   double position = 0.0;         ///< at the start
   Quat turn = Quat::Identity();  ///< of a ball at the start

@@ -745,16 +745,21 @@ class SdfReader {
     const XmlElement* a = e.child("axis");
     out.axis = axis(a);
     out.axis2 = axis(e.child("axis2"));
-    if (a != nullptr && out.has_one_axis()) axis_law(*a, scope, *type != "continuous", out);
+    if (a != nullptr && out.has_one_axis()) {
+      axis_law(*a, *type != "continuous", out);
+      mimic(*a, scope, out);
+    }
     if (a != nullptr && out.type == Type::ball)
       out.damping = std::max(0.0, value(a->child("dynamics"), "damping").value_or(0.0));
-    if (out.type == Type::universal)
+    if (out.type == Type::universal) {
+      if (a != nullptr) axis_law(*a, true, out);
+      if (const XmlElement* b = e.child("axis2"); b != nullptr) axis_law(*b, true, out.second);
       for (const char* each : {"axis", "axis2"})
-        for (const char* law : {"limit", "dynamics"})
-          if (const XmlElement* of = e.child(each); of != nullptr && of->child(law) != nullptr)
-            context_.left_out(of->child(law)->at,
-                              fmt::format("<{}> of <{}> of joint '{}'", law, each, *name),
-                              "a joint with two axes is imported without");
+        if (const XmlElement* of = e.child(each); of != nullptr && of->child("mimic") != nullptr)
+          context_.left_out(of->child("mimic")->at,
+                            fmt::format("<mimic> of <{}> of joint '{}'", each, *name),
+                            "only joints with one axis are coupled");
+    }
     if (out.type == Type::screw) {
       // Since SDF 1.10 [m/turn]; before, [rad/m] of a left-handed thread.
       const auto travel = value(&e, "screw_thread_pitch");
@@ -782,8 +787,8 @@ class SdfReader {
     (closes ? robot_.loops : robot_.joints).push_back(std::move(out));
   }
 
-  /// Limits, damping, friction, spring and coupling of the axis of a hinge or slider.
-  void axis_law(const XmlElement& axis, const std::string& scope, bool bounded, RobotJoint& out) {
+  /// Limits, damping, friction and spring of an axis.
+  void axis_law(const XmlElement& axis, bool bounded, AxisLaw& out) {
     const XmlElement* limit = axis.child("limit");
     if (bounded) {
       const double low = value(limit, "lower").value_or(-1e16),
@@ -801,15 +806,18 @@ class SdfReader {
     out.friction = std::max(0.0, value(dynamics, "friction").value_or(0.0));
     out.stiffness = std::max(0.0, value(dynamics, "spring_stiffness").value_or(0.0));
     out.rest = value(dynamics, "spring_reference").value_or(0.0);
-    if (const XmlElement* mimic = axis.child("mimic")) {
-      RobotCoupling c;
-      c.terms = {{scope + (mimic->find("joint") == nullptr ? "" : *mimic->find("joint")),
-                  value(mimic, "multiplier").value_or(1.0)}};
-      // follower = multiplier (leader - reference) + offset
-      c.offset = value(mimic, "offset").value_or(0.0) -
-                 c.terms[0].ratio * value(mimic, "reference").value_or(0.0);
-      out.coupling = c;
-    }
+  }
+
+  void mimic(const XmlElement& axis, const std::string& scope, RobotJoint& out) {
+    const XmlElement* of = axis.child("mimic");
+    if (of == nullptr) return;
+    RobotCoupling c;
+    c.terms = {{scope + (of->find("joint") == nullptr ? "" : *of->find("joint")),
+                value(of, "multiplier").value_or(1.0)}};
+    // follower = multiplier (leader - reference) + offset
+    c.offset =
+        value(of, "offset").value_or(0.0) - c.terms[0].ratio * value(of, "reference").value_or(0.0);
+    out.coupling = c;
   }
 
   Context& context_;

@@ -419,6 +419,33 @@ class SceneWriter {
       out += fmt::format(" rest=\"{} {}\"", j.rest, slides ? "m" : "rad");
   }
 
+  /// The two numbers of each law of a universal joint, where one of them says something.
+  void two_axes(const RobotJoint& j, std::string& out) {
+    const auto both = [&](const char* name, double one, double two, double nothing,
+                          const char* unit) {
+      const auto text = [&](double v) {
+        return std::isfinite(v) ? fmt::format("{}{}", v, unit) : "none";
+      };
+      if (one != nothing || two != nothing)
+        out += fmt::format(" {}=\"{} {}\"", name, text(one), text(two));
+    };
+    const AxisLaw &a = j, &b = j.second, none;
+    both("lower", a.lower, b.lower, none.lower, " rad");
+    both("upper", a.upper, b.upper, none.upper, " rad");
+    both("damping", a.damping, b.damping, 0.0, " N*m*s/rad");
+    both("friction", a.friction, b.friction, 0.0, " N*m");
+    both("stiffness", a.stiffness, b.stiffness, 0.0, " N*m/rad");
+    both("rest", a.rest, b.rest, 0.0, " rad");
+    both("max-effort", a.max_effort, b.max_effort, none.max_effort, " N*m");
+    both("max-speed", a.max_speed, b.max_speed, none.max_speed, " rad/s");
+    const double q1 = std::clamp(0.0, a.lower, a.upper), q2 = std::clamp(0.0, b.lower, b.upper);
+    both("position", q1, q2, 0.0, " rad");
+    if (q1 != 0.0 || q2 != 0.0)
+      context_.approximate(
+          j.at, fmt::format("joint '{}'", j.name),
+          fmt::format("zero lies beyond its limits: it starts at {} and {}", q1, q2));
+  }
+
   void joint(const RobotJoint& j) {
     using Type = RobotJoint::Type;
     std::string& out = *body_;
@@ -483,6 +510,8 @@ class SceneWriter {
             fmt::format("{} lies beyond its limits: it starts at {}",
                         j.position == 0.0 ? "zero" : fmt::format("its start {}", j.position),
                         start));
+    } else if (j.type == Type::universal) {
+      two_axes(j, out);
     } else if (j.type == Type::ball) {
       passive(j, false, out);
       if (j.turn.vec().norm() > 0.0)
