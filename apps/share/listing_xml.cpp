@@ -81,7 +81,7 @@ Result<std::vector<Store::File>> parse_bucket_list(const std::string& xml,
                                                    const std::string& prefix, std::string& next) {
   tinyxml2::XMLDocument document;
   const XMLElement* root = open(document, xml, "ListBucketResult");
-  if (root == nullptr) return fail("the answer is no listing of a bucket");
+  if (root == nullptr) return fail("the answer is not a listing of a bucket");
   std::vector<Store::File> files;
   for (const XMLElement* c = root->FirstChildElement(); c; c = c->NextSiblingElement()) {
     if (!is_called(*c, "Contents")) continue;

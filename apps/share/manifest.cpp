@@ -57,7 +57,7 @@ Result<Json> parse_strictly(const std::string& text) {
 }
 
 Result<PackagedFile> file_from(const Json& object) {
-  if (!object.is_object()) return fail("the manifest has a file that is no object");
+  if (!object.is_object()) return fail("the manifest has a file that is not an object");
   PackagedFile file;
   auto path = text_of(object, "path");
   if (!path) return tl::unexpected(path.error());
@@ -143,7 +143,7 @@ Result<> take_files(const Json& json, const PackageLimits& limits, Manifest& man
 
 Result<Manifest> manifest_from(const Json& json, const PackageLimits& limits) {
   const auto format = text_of(json, "format");
-  if (!format || *format != kFormat) return fail("this is no manifest of a CogRSim package");
+  if (!format || *format != kFormat) return fail("this is not a manifest of a CogRSim package");
   const auto number = size_of(json, "format_version");
   if (!number) return tl::unexpected(number.error());
   if (*number != kFormatVersion) {
@@ -222,8 +222,7 @@ Result<Entry> parse_entry(const std::string& text, const PackageName& expected,
   auto manifest = manifest_from(*json, limits);
   if (!manifest) return tl::unexpected(manifest.error());
   if (manifest->package.stem() != expected.stem()) {
-    return fail(
-        fmt::format("the entry of {} names {}", expected.stem(), manifest->package.stem()));
+    return fail(fmt::format("the entry of {} names {}", expected.stem(), manifest->package.stem()));
   }
   Entry entry;
   entry.manifest = std::move(*manifest);

@@ -153,7 +153,7 @@ Result<> check_role(std::string_view path, Role role) {
   if (std::find(row.endings.begin(), row.endings.end(), ending_of(path)) != row.endings.end()) {
     return {};
   }
-  return fail(fmt::format("'{}' cannot be a {}: '{}' is not among its endings", shown(path),
+  return fail(fmt::format("'{}' cannot be a {}: '{}' is not an allowed file extension", shown(path),
                           row.name, shown(ending_of(path))),
               "", "packages hold text, pictures, meshes and recordings, and no programs");
 }
@@ -240,7 +240,7 @@ Result<> check_name(std::string_view name) {
                   [](char c) { return is_small(c) || is_digit(c) || c == '_' || c == '-'; }) &&
       !is_device(name);
   if (good) return {};
-  return fail(fmt::format("'{}' is no name of a package", shown(name)), "",
+  return fail(fmt::format("'{}' is not a name of a package", shown(name)), "",
               "take small letters, digits, '_' and '-', at most 64, a letter or digit first");
 }
 
@@ -275,7 +275,7 @@ Result<> check_version(std::string_view version) {
     }
   }
   if (good && digits > 0 && numbers <= 4) return {};
-  return fail(fmt::format("'{}' is no version", shown(version)), "",
+  return fail(fmt::format("'{}' is not a version", shown(version)), "",
               "write one to four numbers with points between them, such as 1.0.2");
 }
 

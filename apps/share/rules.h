@@ -88,7 +88,7 @@ struct PackageName {
 };
 inline constexpr const char* kPackageEnding = ".cogrsim.zip";
 inline constexpr const char* kEntryEnding = ".cogrsim.json";
-/// Empty: the file is no package's, `ending` missing or the name not one that we give.
+/// Empty: the file is not a package's, `ending` missing or the name not one that we give.
 std::optional<PackageName> parse_stem(std::string_view file, std::string_view ending);
 
 }  // namespace cogrsim::share

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Store>> open_s3(const StoreOptions& options) {
   std::string region = first_of({"AWS_REGION", "AWS_DEFAULT_REGION"});
   if (region.empty()) region = "us-east-1";
   if (region.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos) {
-    return fail("AWS_REGION is no region", "", "it is like eu-central-1");
+    return fail("AWS_REGION is not a region", "", "it is like eu-central-1");
   }
   std::string endpoint = options.endpoint;
   if (endpoint.empty()) endpoint = first_of({"AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL"});

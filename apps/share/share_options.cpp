@@ -3,8 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "share.h"
 #include "common/arguments.h"
+#include "share.h"
 
 namespace cogrsim::share {
 namespace {
@@ -33,18 +33,19 @@ void add_push(CLI::App& app, int& status) {
   command.add_option("scene", options->scene, "Scene file, NAME.scene.xml")
       ->required()
       ->type_name("SCENE");
-  command.add_option("--to", options->store.address, "Store to push to; default: COGRSIM_STORE")
+  command.add_option("--to", options->store.address, "Store to push to")
       ->envname("COGRSIM_STORE")
       ->type_name("STORE");
   command
       .add_option("--name", options->name,
-          "Name of the package; default: made of the scene's file name")
+                  "Name of the package; default: made of the scene's file name")
       ->type_name("NAME");
   command.add_option("--version", options->version, "Version: numbers with points, such as 1.0.2")
       ->type_name("V")
       ->capture_default_str();
-  command.add_option("--description", options->description,
-      "Description of the scene, in a sentence or two")
+  command
+      .add_option("--description", options->description,
+                  "Description of the scene, in a sentence or two")
       ->type_name("TEXT");
   command.add_option("--author", options->author, "Author of the package")->type_name("TEXT");
   command.add_option("--licence,--license", options->licence, "Licence of the package")
@@ -81,7 +82,7 @@ void add_pull(CLI::App& app, int& status) {
                   "machine")
       ->required()
       ->type_name("NAME[@VERSION]|FILE.cogrsim.zip");
-  command.add_option("--from", options->store.address, "Store to pull from; default: COGRSIM_STORE")
+  command.add_option("--from", options->store.address, "Store to pull from")
       ->envname("COGRSIM_STORE")
       ->type_name("STORE");
   command
@@ -105,7 +106,7 @@ void add_pull(CLI::App& app, int& status) {
 void add_list_command(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("list", "List the packages of a store");
   const auto options = std::make_shared<ListOptions>();
-  command.add_option("store", options->store.address, "Store; default: COGRSIM_STORE")
+  command.add_option("store", options->store.address, "Store")
       ->envname("COGRSIM_STORE")
       ->type_name("STORE");
   command.add_flag("--json", options->json, "As JSON");

@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "hash.h"
 #include "common/interrupt.h"
+#include "hash.h"
 #include "zip.h"
 
 namespace cogrsim::share {
@@ -121,7 +121,7 @@ class Reader {
     // Something before the archive would make a program and a package out of one file.
     char magic[4] = {};
     std::ifstream(path_, std::ios::binary).read(magic, 4);
-    if (std::memcmp(magic, "PK\x03\x04", 4) != 0) return refuse("this is no zip file");
+    if (std::memcmp(magic, "PK\x03\x04", 4) != 0) return refuse("this is not a zip file");
     archive_read_support_format_zip_seekable(archive_.get());
     if (archive_read_open_filename(archive_.get(), path_.c_str(), 1u << 16) != ARCHIVE_OK) {
       return refuse(fmt::format("the package is damaged: {}", reason()));
@@ -156,7 +156,7 @@ class Reader {
       return refuse(fmt::format("'{}' is a link", name));
     }
     if (archive_entry_filetype(entry_) != AE_IFREG) {
-      return refuse(fmt::format("'{}' is no ordinary file", name));
+      return refuse(fmt::format("'{}' is not an ordinary file", name));
     }
     return name;
   }
@@ -232,8 +232,7 @@ class Reader {
       return refuse(fmt::format("'{}' has {} bytes instead of {}", file.path, size, file.size));
     }
     if (hash.finish() != file.sha256) {
-      return refuse(
-          fmt::format("'{}' differs from the manifest: its hash is another", file.path));
+      return refuse(fmt::format("'{}' differs from the manifest: its hash is another", file.path));
     }
     if (auto good = check.finish(); !good) return refuse(good.error());
     return folder_.empty() ? Result<>() : out.close();

@@ -69,11 +69,11 @@ std::string read_state(Reader& reader, std::map<std::int64_t, TableRow>& rows) {
     double value = 0.0;
     std::uint64_t count = 0;
     if (!reader.number(value) || !std::isfinite(value)) {
-      return fmt::format("the value of action {} of state {} is no number", row.values.size(),
+      return fmt::format("the value of action {} of state {} is not a number", row.values.size(),
                          state);
     }
     if (!reader.number(count)) {
-      return fmt::format("the count of action {} of state {} is no number", row.values.size(),
+      return fmt::format("the count of action {} of state {} is not a number", row.values.size(),
                          state);
     }
     row.values.push_back(value);

@@ -88,7 +88,7 @@ class Tabular : public cogrsim::Learner {
     }
     if (!std::isfinite(experience.reward)) {
       return cogrsim::fail(
-          fmt::format("the reward of state {}, action {} is {}, which is no number",
+          fmt::format("the reward of state {}, action {} is {}, which is not a number",
                       experience.state, experience.action, experience.reward));
     }
     double next = 0.0;

@@ -380,7 +380,7 @@ void MazeReferee::restore(const std::string& memory) {
     const std::string text = token();
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (*end != '\0') throw std::runtime_error("'" + text + "' is no number");
+    if (*end != '\0') throw std::runtime_error("'" + text + "' is not a number");
     return value;
   };
   const auto whole = [&] {

@@ -92,7 +92,7 @@ int listen_unix(const std::string& path, const std::string& text) {
   std::memcpy(address.sun_path, shorter.data(), shorter.size());
   struct stat there {};
   if (::lstat(path.c_str(), &there) == 0) {
-    if (!S_ISSOCK(there.st_mode)) fail("'" + text + "' is a file that is no socket");
+    if (!S_ISSOCK(there.st_mode)) fail("'" + text + "' is a file that is not a socket");
     // A socket at which nobody listens any more was left behind; one in use stays.
     const int probe = new_socket(AF_UNIX);
     const bool used =
@@ -204,7 +204,7 @@ std::shared_ptr<Listener> Listener::at(const std::string& address, const std::st
   if (is_unix) {
     const fs::path path = fs::path(address.substr(5)).lexically_normal();
     if (path.empty() || path == "." || path.is_absolute() || *path.begin() == "..")
-      fail("'" + address + "' is no path inside the scene's folder; expected unix:run.sock");
+      fail("'" + address + "' is not a path inside the scene's folder; expected unix:run.sock");
     // The folder, without links, so that a link cannot lead out of it.
     std::error_code fault;
     const fs::path root = fs::canonical(folder.empty() ? "." : folder, fault);
@@ -215,7 +215,7 @@ std::shared_ptr<Listener> Listener::at(const std::string& address, const std::st
     (void)rest;
     key = (parent / path.filename()).string();
   } else if (address.rfind("tcp:", 0) != 0) {
-    fail("'" + address + "' is no address; expected unix:run.sock or tcp:127.0.0.1:5555");
+    fail("'" + address + "' is not an address; expected unix:run.sock or tcp:127.0.0.1:5555");
   }
   const std::lock_guard lock(mutex);
   if (auto known = listeners[key].lock()) return known;

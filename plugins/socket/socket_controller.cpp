@@ -118,7 +118,7 @@ class SocketController final : public Controller {
     connection_ = listener_->accept(deadline);
     const Json hello = message(deadline);
     if (text(hello, "type") != "hello")
-      throw std::runtime_error("the client's first message is no hello");
+      throw std::runtime_error("the client's first message is not a hello");
     if (!token_.empty() && !same_secret(token_, text(hello, "token"))) {
       connection_->send(R"({"type":"refused","reason":"the token is wrong"})", deadline);
       connection_.reset();

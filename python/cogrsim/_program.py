@@ -55,12 +55,12 @@ def of_type(name, value, kinds, expected):
 
 
 def text(name, value, expected="a text"):
-    """The value. Raises TypeError: it is no str."""
+    """The value. Raises TypeError: it is not a str."""
     return of_type(name, value, str, expected)
 
 
 def number(name, value, expected="a number"):
-    """The value as a float. Raises TypeError: it is no number; ValueError: it is not finite."""
+    """The value as a float. Raises TypeError: it is not a number; ValueError: it is not finite."""
     if isinstance(value, (str, bytes)) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
         raise TypeError(f"{name}: expected {expected}, given {value!r}")
     out = float(value)
@@ -70,7 +70,7 @@ def number(name, value, expected="a number"):
 
 
 def whole(name, value):
-    """The value as an int. Raises TypeError: it is no whole number."""
+    """The value as an int. Raises TypeError: it is not a whole number."""
     try:
         return operator.index(value)
     except TypeError:

@@ -136,7 +136,7 @@ def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=Non
     is the reference; empty: all. seeds: repetitions. duration, step: [s]; None: those of the scene. shake:
     largest random displacement of the start of each repetition [m]. threshold: "5mm,2deg".
     Runs the program `cogrsim compare`, so controllers in Python are not available in it.
-    Raises Error with what the program printed; ValueError: a scene that is no file.
+    Raises Error with what the program printed; ValueError: a scene that is not a file.
     """
     arguments = ["compare", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
                  *seeds_argument(seeds)]

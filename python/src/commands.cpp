@@ -15,7 +15,7 @@ Command CommandArguments::spawn(const std::string& of, const std::string& name,
   if (!places.is_none()) {
     const py::array_t<double> rows = numbers(places, "places", {-1, 3});
     for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-      spawn.places.push_back({Vec3(rows.at(i, 0), rows.at(i, 1), rows.at(i, 2)), Quat(1, 0, 0, 0)});
+      spawn.candidate_poses.push_back({Vec3(rows.at(i, 0), rows.at(i, 1), rows.at(i, 2)), Quat(1, 0, 0, 0)});
     }
   }
   spawn.clearance = clearance;

@@ -191,7 +191,7 @@ std::vector<Claim> claims_of(const Results& results) {
   claims.push_back(at_most("Bullet backend against ignition-physics' bullet plugin: below 1", worst,
                            1.0, where));
   claims.push_back(worst_ratio(
-      "`cogrsim` backend against raw Simbody on trees: at most 1.05", all, "cogrsim-cogrsim", 1.05,
+      "`simbody` backend against raw Simbody on trees: at most 1.05", all, "cogrsim-simbody", 1.05,
       [](const Row& row) { return row.scene == "chain" || starts_with(row.scene, "robots"); }));
   const Row* mesh = find(results.table, "raw-simbody-mesh", "stack");
   Claim faster{

@@ -36,9 +36,10 @@ json json_of(const Outcome& outcome) {
 }
 
 const char* const kRunKeys[] = {
-    "scene",       "file",      "backend",         "step",           "steps",  "time",   "status",
-    "energy",      "wall_time", "realtime_factor", "state_hash",     "bodies", "joints", "contacts",
-    "diagnostics", "measures",  "events",          "events_left_out", "drawn"};
+    "scene",      "file",   "backend",         "step",      "steps",
+    "time",       "status", "energy",          "wall_time", "realtime_factor",
+    "state_hash", "bodies", "joints",          "contacts",  "diagnostics",
+    "measures",   "events", "events_left_out", "drawn"};
 
 }  // namespace
 
@@ -175,8 +176,8 @@ TEST_CASE("a terminal gets colours and a progress line, NO_COLOR is heeded", "[c
 }
 
 TEST_CASE("messages of a run appear while it runs", "[cli][program]") {
-  const Arguments arguments = {"run", kEventful, "--events", "--speed",
-                               "1", "--plugin-path", COGRSIM_TOYS};
+  const Arguments arguments = {"run", kEventful,       "--events",  "--speed",
+                               "1",   "--plugin-path", COGRSIM_TOYS};
   const Outcome live = cogrsim_on_terminal(arguments, {"NO_COLOR=1"});
   INFO(live.out);
   REQUIRE(live.status == 0);
@@ -460,7 +461,7 @@ TEST_CASE("explain and schema print their documented output", "[cli][program]") 
 
 TEST_CASE("plugins lists plugins and refused files", "[cli][program]") {
   const TemporaryFolder folder;
-  std::ofstream(folder / "letter.so") << "dear loader, this is no library\n";
+  std::ofstream(folder / "letter.so") << "dear loader, this is not a library\n";
   const Outcome text = with_toys({"plugins", "--plugin-path", folder / ""});
   CHECK(text.status == 0);
   CHECK_THAT(text.out,

@@ -164,7 +164,7 @@ TEST_CASE("a changed scene is run again, and Ctrl-C ends", "[cli][watch]") {
   REQUIRE(run.says(kOver));
   // It fell for 0.1 s: 4.9 cm.
   CHECK(height_in(json) == Approx(10.0 - 0.5 * 9.81 * 0.01));
-  // What changes by itself would be named, alone or beside the scene: it is no reason for a run.
+  // What changes by itself would be named, alone or beside the scene: it is not a reason for a run.
   const std::string restarting = "watch: " + scene + " changed: restarting";
   write(scene, at("20"));
   REQUIRE(run.says(restarting));

@@ -163,7 +163,7 @@ int stale_entries(Run& run, const std::set<std::string>& names) {
     } else if (run.options.update) {
       entry = run.table.entries().erase(entry);
     } else {
-      std::printf("   >> the table has '%s', which is no test\n", entry->first.c_str());
+      std::printf("   >> the table has '%s', which is not a test\n", entry->first.c_str());
       ++stale;
       ++entry;
     }

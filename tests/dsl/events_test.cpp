@@ -96,8 +96,8 @@ TEST_CASE("rules and their actions are read with names in full", "[events]") {
   CHECK(spawn.clearance == 0.02);
   CHECK(spawn.lifetime == 3.0);
   const auto& among = std::get<Spawn>(rule.actions[1]);
-  REQUIRE(among.places.size() == 2);
-  CHECK(near(among.places[1].p, Vec3(0, 0, 1)));
+  REQUIRE(among.candidate_poses.size() == 2);
+  CHECK(near(among.candidate_poses[1].p, Vec3(0, 0, 1)));
   CHECK(near(among.pose.p, Vec3::Zero()));
   const auto& attach = std::get<Attach>(rule.actions[4]);
   CHECK(attach.child == "late.ball");
@@ -137,11 +137,11 @@ TEST_CASE("a rule opens a maze's door and spawns into its free cells", "[events]
   CHECK(model->rules[0].source == "walls.T1");
   CHECK(std::get<MoveDoor>(model->rules[0].actions[0]).door == "walls.A");
   const auto& free = std::get<Spawn>(model->rules[1].actions[0]);
-  REQUIRE(free.places.size() == 1);  // the cell in the south-west
-  CHECK(near(free.places[0].p, Vec3(1.25, 0.25, 0)));
+  REQUIRE(free.candidate_poses.size() == 1);  // the cell in the south-west
+  CHECK(near(free.candidate_poses[0].p, Vec3(1.25, 0.25, 0)));
   const auto& all = std::get<Spawn>(model->rules[1].actions[1]);
-  REQUIRE(all.places.size() == 5);
-  CHECK(near(all.places[4].p, Vec3(1.75, 0.25, 0)));
+  REQUIRE(all.candidate_poses.size() == 5);
+  CHECK(near(all.candidate_poses[4].p, Vec3(1.75, 0.25, 0)));
 }
 
 TEST_CASE("rules in a prototype refer to the elements beside them", "[events]") {

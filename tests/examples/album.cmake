@@ -21,6 +21,6 @@ foreach(name ${expected})
   file(SIZE ${FOLDER}/${name} size)
   # A PNG's signature; an empty picture of this size is smaller.
   if(NOT head STREQUAL "89504e470d0a1a0a" OR size LESS 1000)
-    message(FATAL_ERROR "${name} is no picture (${size} bytes)")
+    message(FATAL_ERROR "${name} is not a picture (${size} bytes)")
   endif()
 endforeach()

@@ -147,7 +147,7 @@ int main(int argc, char** argv) try {
   const Json table = Json::parse(file);
   for (const auto& [name, entry] : table.items()) {
     if (make_scene(name).name.empty())
-      return usage("the table has '" + name + "', which is no scene");
+      return usage("the table has '" + name + "', which is not a scene");
     if (!entry.contains("unsupported") && entry.value("reason", "").empty()) {
       return usage("the table gives no reason for '" + name + "'");
     }

@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
       run.backend().name(), runs, runs * spawns, memory.at_start / 1e6, resident_growth / 1e6, span,
       held_growth / 1e6, grown / static_cast<double>(marks));
   // A leak of one element per spawned object (a name of 16 byte, the least that malloc gives is 32)
-  // would come to 32 byte times their number; of what is held, a quarter of that is no leak but
+  // would come to 32 byte times their number; of what is held, a quarter of that is not a leak but
   // rounding of the line (containers stand at other capacities from run to run). Resident memory
   // moves by malloc's trimming, whose thresholds of 128 kB grow with the blocks that are freed, and
   // by its arenas: up to 32 thresholds, and 1 % of itself. Beside what is held it shows only what does

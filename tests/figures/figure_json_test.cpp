@@ -79,7 +79,7 @@ TEST_CASE("statistics are in the JSON with their method and are not computed aga
   CHECK(back->series[0].box->median == 2.75);
 }
 
-TEST_CASE("JSON that is no figure is refused", "[json]") {
+TEST_CASE("JSON that is not a figure is refused", "[json]") {
   const std::string head = R"({"format": "cogrsim-figure", "version": 1, )";
   CHECK(refused("{").find("not JSON") != std::string::npos);
   CHECK(refused("[1]").find("not a figure") != std::string::npos);

@@ -53,7 +53,7 @@ TEST_CASE("couplings that cannot hold are left out", "[urdf]") {
       in.reports(dsl::Fidelity::left_out, "coupling of joint 'two' to 'one'", "beyond its limits"));
   CHECK(in.model);
   in.read(robot(R"(<mimic joint="two"/>)", R"(<mimic joint="one"/>)"));
-  CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two' to 'one'", "form a circle"));
+  CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two' to 'one'", "form a cycle"));
   CHECK(in.model);
   in.read(robot("", R"(<mimic joint="nowhere"/>)"));
   CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two'", "no joint 'nowhere'"));

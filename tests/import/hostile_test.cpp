@@ -51,7 +51,7 @@ TEST_CASE("files that include each other are refused", "[hostile]") {
   in.folder.write("b.xacro",
                   "<robot xmlns:xacro=\"x\"><xacro:include filename=\"robot.urdf\"/></robot>");
   in.read(kHead + "<xacro:include filename=\"b.xacro\"/></robot>");
-  CHECK(in.refuses("CG1402", "circle"));
+  CHECK(in.refuses("CG1402", "cycle"));
 }
 
 TEST_CASE("bombs of YAML are refused", "[hostile]") {
@@ -137,7 +137,7 @@ TEST_CASE("a mesh that claims more than it has is left out", "[hostile]") {
       "url=\"#s\"/></scene></COLLADA>");
   in.read(robot("loop.dae"));
   REQUIRE(in.model);
-  CHECK(in.reports(kLeftOut, "mesh 'loop.dae'", "circle"));
+  CHECK(in.reports(kLeftOut, "mesh 'loop.dae'", "cycle"));
   in.folder.write(
       "short.dae",
       "<COLLADA><library_geometries><geometry><mesh><source id=\"p\"><float_array "
@@ -163,7 +163,7 @@ TEST_CASE("deep and wide files are refused", "[hostile]") {
   CHECK(in.result.scene.empty());
   in.folder.write("a.xml", "<mujoco><include file=\"a.xml\"/></mujoco>");
   in.read("<mujoco><include file=\"a.xml\"/></mujoco>", "m.xml");
-  CHECK(in.refuses("CG1402", "circle"));
+  CHECK(in.refuses("CG1402", "cycle"));
 }
 
 TEST_CASE("files outside the model's folder are not read", "[hostile]") {
@@ -185,7 +185,7 @@ TEST_CASE("models of SDF that include each other are refused", "[hostile]") {
   const std::string include = "<include><uri>m.sdf</uri></include>";
   in.read("<sdf version=\"1.9\"><model name=\"m\">" + include + include + "</model></sdf>",
           "m.sdf");
-  CHECK(in.refuses("CG1402", "circle"));
+  CHECK(in.refuses("CG1402", "cycle"));
 }
 
 TEST_CASE("a mesh of a gigabyte is not read", "[hostile]") {

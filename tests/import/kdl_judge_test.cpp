@@ -211,7 +211,7 @@ std::string random_robot(Random& random) {
 }  // namespace
 
 TEST_CASE("an arm with chains of fixed links is what KDL makes of it", "[judge]") {
-  // Two branches; inertial frames that are off and turned; an axis that is no unit vector; a root in
+  // Two branches; inertial frames that are off and turned; an axis that is not a unit vector; a root in
   // a link without mass that is off the world; limits that exclude zero, or leave no freedom.
   const std::string urdf = R"(<robot name="arm">
   <link name="ground"/>

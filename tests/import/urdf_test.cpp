@@ -133,7 +133,7 @@ TEST_CASE("what the scene cannot say is reported with its line", "[urdf]") {
   for (const dsl::ImportEntry& e : in.result.entries) CHECK(e.line > 0);
 }
 
-TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
+TEST_CASE("a robot that is not a tree is refused at its line", "[urdf]") {
   Imported in;
   const std::string link =
       R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
@@ -148,7 +148,7 @@ TEST_CASE("a robot that is no tree is refused at its line", "[urdf]") {
       "<robot name=\"r\">" + named("a") + named("b") +
       "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\n"
       "<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>");
-  CHECK(in.refuses("CG1410", "in a circle"));
+  CHECK(in.refuses("CG1410", "form a cycle"));
   in.read("<robot name=\"r\">" + named("arm") +
           "\n<joint name=\"j\" type=\"revolut\"><parent link=\"arm\"/><child "
           "link=\"amr\"/></joint></robot>");

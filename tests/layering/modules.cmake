@@ -1,5 +1,5 @@
 # Which module of the SDK includes which: the #include lines are compared with the table of
-# docs/dev/architecture.md, read from the page itself. A row names rows above it only: there is no circle.
+# docs/dev/architecture.md, read from the page itself. A row names rows above it only: there is no cycle.
 cmake_policy(SET CMP0057 NEW)
 file(READ "${SOURCE_DIR}/docs/dev/architecture.md" page)
 string(REPLACE ";" "," page "${page}")

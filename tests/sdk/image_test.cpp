@@ -213,7 +213,7 @@ TEST_CASE("a damaged JPEG never crashes and a cut one is refused", "[image]") {
   CHECK(refused > 100);
 }
 
-TEST_CASE("a file that is no picture is reported as such", "[image]") {
+TEST_CASE("a file that is not a picture is reported as such", "[image]") {
   CHECK(decode_image("").error().message == "the file is empty");
   CHECK(decode_image("GIF89a...").error().message == "neither a PNG nor a JPEG file");
 }

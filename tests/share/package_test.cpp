@@ -250,9 +250,9 @@ TEST_CASE("names of devices, hidden files and control characters are refused", "
 }
 
 TEST_CASE("programs are refused, by name and by content", "[share][hostile]") {
-  check_refused(vouched("controller.so", Role::source), "is not among its endings");
-  check_refused(vouched("controller.so", Role::data), "is not among its endings");
-  check_refused(vouched("run.sh", Role::data, "reboot\n"), "is not among its endings");
+  check_refused(vouched("controller.so", Role::source), "is not an allowed file extension");
+  check_refused(vouched("controller.so", Role::data), "is not an allowed file extension");
+  check_refused(vouched("run.sh", Role::data, "reboot\n"), "is not an allowed file extension");
   check_refused(vouched("driver.csv", Role::data,
                         "\x7f"
                         "ELF\x02"),
@@ -264,7 +264,7 @@ TEST_CASE("programs are refused, by name and by content", "[share][hostile]") {
       "\x7f"
       "ELF" +
           make_zip(members_for(good_files())),
-      "this is no zip file");
+      "this is not a zip file");
 }
 
 TEST_CASE("files that the manifest does not list are refused", "[share][hostile]") {
@@ -286,7 +286,7 @@ TEST_CASE("files that the manifest does not list are refused", "[share][hostile]
 
 TEST_CASE("damaged and disguised archives are refused", "[share][hostile]") {
   const std::string good = make_zip(members_for(good_files()));
-  check_refused("", "this is no zip file");
+  check_refused("", "this is not a zip file");
   check_refused("PK\x03\x04", "");
   check_refused(good.substr(0, good.size() / 2), "");
   check_refused(good.substr(0, good.size() - 30), "");

@@ -160,7 +160,7 @@ TEST_CASE("copies of a template are added with clearance and removed after their
   yard.builder.model.bodies[3].V_WB = {};
   Spawn spawn;
   spawn.of = "Ball";
-  spawn.places = {at(5, 5, 0), at(-3, -3, 0), at(-3, 3, 0)};  // the crate is at the first position
+  spawn.candidate_poses = {at(5, 5, 0), at(-3, -3, 0), at(-3, 3, 0)};  // the crate is at the first position
   spawn.clearance = 0.05;
   spawn.lifetime = 0.5;
   RuleModel& rule = yard.rule("scatter", {spawn});
@@ -172,7 +172,7 @@ TEST_CASE("copies of a template are added with clearance and removed after their
   // Two fit, the third has no space while they exist.
   CHECK(diary.count("added") == 2);
   CHECK(diary.count("refused") == 1);
-  CHECK(messages_of(*simulation).find("none of its 3 places is free") != std::string::npos);
+  CHECK(messages_of(*simulation).find("none of its 3 poses is free") != std::string::npos);
   CHECK(diary.events[0].source == "Ball_1");
   CHECK(diary.events[0].subject == "Ball");
   const int ball = find_body(*simulation->model(), "Ball_2.ball");
@@ -342,7 +342,7 @@ SceneModelPtr busy_scene() {
   yard.builder.model.bodies[3].V_WB.linear = Vec3(0, 1, 5);
   Spawn spawn;
   spawn.of = "Ball";
-  for (int i = 0; i < 20; ++i) spawn.places.push_back(at(-4 + 0.5 * i, -3, 0.05 * i));
+  for (int i = 0; i < 20; ++i) spawn.candidate_poses.push_back(at(-4 + 0.5 * i, -3, 0.05 * i));
   spawn.lifetime = 0.37;
   spawn.clearance = 0.02;
   yard.rule("scatter", {spawn}).every = 0.05;

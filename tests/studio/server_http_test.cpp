@@ -391,7 +391,7 @@ TEST_CASE("a client that reads slowly keeps no other out", "[studio][server]") {
 TEST_CASE("an address that cannot be listened at is reported", "[studio][server]") {
   ServerOptions options;
   options.host = "no.such.name";
-  CHECK_THAT(Server::listen(options).error().text(), Contains("'no.such.name' is no address"));
+  CHECK_THAT(Server::listen(options).error().text(), Contains("'no.such.name' is not an address"));
   options.host = "192.0.2.1";  // reserved for documentation: no machine has it
   CHECK_THAT(Server::listen(options).error().text(), Contains("cannot listen at 192.0.2.1:0"));
   Served served;

@@ -35,7 +35,7 @@ std::uint64_t seed_from(const std::string& argument) {
   const char* const end = argument.data() + argument.size();
   const auto [rest, error] = std::from_chars(argument.data(), end, seed);
   if (error != std::errc{} || rest != end) {
-    throw UsageError("--seed", Problem(fmt::format("'{}' is no seed", argument), "",
+    throw UsageError("--seed", Problem(fmt::format("'{}' is not a seed", argument), "",
                                        "write a whole number from 0 to 18446744073709551615"));
   }
   return seed;

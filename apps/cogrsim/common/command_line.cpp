@@ -55,13 +55,13 @@ constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
 
 double speed_from(const std::string& argument) {
   if (argument == "max") return std::numeric_limits<double>::infinity();
-  const std::string number =
-      !argument.empty() && argument.back() == 'x' ? argument.substr(0, argument.size() - 1)
-                                                  : argument;
+  const std::string number = !argument.empty() && argument.back() == 'x'
+                                 ? argument.substr(0, argument.size() - 1)
+                                 : argument;
   const auto speed = parse_number(number);
   if (!speed || *speed <= 0.0) {
     throw UsageError("--speed",
-                     Problem(fmt::format("'{}' is no speed", argument), "",
+                     Problem(fmt::format("'{}' is not a speed", argument), "",
                              "write simulated seconds per second, such as 1 or 0.25, or max"));
   }
   return *speed;
@@ -70,7 +70,8 @@ double speed_from(const std::string& argument) {
 // Folders given behind the subcommand are more specific, and searched first.
 std::vector<std::string> plugin_paths_from(const Arguments& arguments) {
   std::vector<std::string> paths = arguments.plugin_paths;
-  paths.insert(paths.end(), arguments.global_plugin_paths.begin(), arguments.global_plugin_paths.end());
+  paths.insert(paths.end(), arguments.global_plugin_paths.begin(),
+               arguments.global_plugin_paths.end());
   return paths;
 }
 
@@ -204,7 +205,8 @@ CompareCommandOptions compare_from(const Arguments& arguments) {
     if (seeds->size() > kMostRepetitions) {
       throw UsageError("--seeds", Problem(fmt::format("more than {} seeds", kMostRepetitions)));
     }
-    if (!arguments.seed.empty()) throw UsageError("--seeds", Problem("--seed is one of them already"));
+    if (!arguments.seed.empty())
+      throw UsageError("--seeds", Problem("--seed is one of them already"));
     if (options.steps.size() > 1) {
       throw UsageError("--seeds", Problem("several seeds and several steps are two studies", "",
                                           "give one --step, or leave out --seeds"));
@@ -214,7 +216,7 @@ CompareCommandOptions compare_from(const Arguments& arguments) {
   if (!arguments.shake.empty()) {
     const auto size = parse_length_or_angle(arguments.shake);
     if (!size || size->dimension == Dimension::angle || size->value <= 0.0) {
-      throw UsageError("--shake", Problem(fmt::format("'{}' is no length", arguments.shake), "",
+      throw UsageError("--shake", Problem(fmt::format("'{}' is not a length", arguments.shake), "",
                                           "write a length greater than zero, such as 1mm"));
     }
     options.shake = size->value;
@@ -283,7 +285,8 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
       .add_option("--speed", arguments.speed,
                   "Simulated seconds per second, or max, the default; never changes a result")
       ->type_name("X|max");
-  command.add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
+  command
+      .add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
       ->type_name("FILE|-");
   command
       .add_option("--record", arguments.record,
@@ -343,8 +346,10 @@ void add_plot(CLI::App& app, Arguments& arguments, int& status) {
   command.add_option("--kind", arguments.kind, "Kind of a figure that is not in the scene")
       ->check(CLI::IsMember({"curve", "box", "surface", "histogram", "map"}))
       ->type_name("K");
-  add_list(command, "--x", arguments.x, "Signal along x; a curve's is the time if left out", "SIGNAL");
-  add_list(command, "--y", arguments.y, "Signal along y; may be repeated for several series", "SIGNAL");
+  add_list(command, "--x", arguments.x, "Signal along x; a curve's is the time if left out",
+           "SIGNAL");
+  add_list(command, "--y", arguments.y, "Signal along y; may be repeated for several series",
+           "SIGNAL");
   add_list(command, "--z", arguments.z, "Signal along z, the height of a surface", "SIGNAL");
   add_list(command, "--by", arguments.by,
            "Of a study: the column whose values become the series; --x, --y and --z are "
@@ -408,7 +413,8 @@ void add_compare(CLI::App& app, Arguments& arguments, int& status) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command.add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
+  command
+      .add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
       ->type_name("FILE|-");
   command.add_option("--report", arguments.report, "Write a page with curves for a browser")
       ->type_name("FILE.html");
@@ -481,7 +487,8 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
   explain.callback([&] { status = explain_command(arguments.code); });
 
   CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
-  schema.add_flag("--reference", arguments.reference, "Print the reference page (Markdown) instead");
+  schema.add_flag("--reference", arguments.reference,
+                  "Print the reference page (Markdown) instead");
   schema.add_flag("--json", arguments.json_flag,
                   "Print it as JSON instead, with the plugins' parameters");
   add_plugin_path(schema, arguments.plugin_paths);
@@ -490,8 +497,9 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim schema > scene.xsd      gives completion in an editor\n"
       "  cogrsim schema --reference > scene-reference.md\n"
       "  cogrsim schema --json | jq -r '.elements[].name'");
-  schema.callback(
-      [&] { status = schema_command(arguments.reference, arguments.json_flag, plugin_paths_from(arguments)); });
+  schema.callback([&] {
+    status = schema_command(arguments.reference, arguments.json_flag, plugin_paths_from(arguments));
+  });
 
   CLI::App& plugins =
       *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");

@@ -1,4 +1,4 @@
-// A scene's start, a little elsewhere: for repetitions that differ, and to find out when chaos
+// Random perturbation of the initial state: for repetitions that differ, and to find out when chaos
 // decides a run.
 #pragma once
 

@@ -88,7 +88,7 @@ void add_export(CLI::App& app, int& status) {
   command
       .add_option(
           "-o,--output", o.output,
-          "File to write; its ending chooses the format: .urdf, .sdf, .world or .xml (MJCF); "
+          "File to write; its extension selects the format: .urdf, .sdf, .world or .xml (MJCF); "
           "-: print it")
       ->required()
       ->type_name("FILE");
@@ -122,7 +122,7 @@ void add_export(CLI::App& app, int& status) {
       else if (file.ends_with(".xml") && !file.ends_with(".scene.xml"))
         format = "mjcf";
       else
-        throw UsageError("--output", Error("the ending of '" + file + "' names no format", "",
+        throw UsageError("--output", Error("the extension of '" + file + "' names no format", "",
                                            "write NAME.urdf, NAME.sdf or NAME.xml, or give "
                                            "--format"));
     }

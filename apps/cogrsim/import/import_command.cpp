@@ -266,7 +266,7 @@ void add_import(CLI::App& app, int& status) {
       ->type_name("none|position|torque|velocity");
   command
       .add_option("--engines", o.engines,
-                  "Engines that shall run the scene: rotor inertias, couplings, concave meshes and "
+                  "Engines that must be able to run the scene: rotor inertias, couplings, concave meshes and "
                   "limits of joints that one of them does not support are left out, and reported")
       ->delimiter(',')
       ->type_name("LIST");
@@ -283,8 +283,8 @@ void add_import(CLI::App& app, int& status) {
       ->type_name("DIR");
   command
       .add_option("--convex-parts", o.import.convex_parts,
-                  "Meshes that move, of URDF and SDF, collide as up to so many convex parts; "
-                  "default: as their hull")
+                  "Decompose moving meshes of URDF and SDF into at most N convex parts for "
+                  "collisions; default: their hull")
       ->check(CLI::Range(1, 64))
       ->type_name("N");
   add_report_options(command, o.report, o.strict);

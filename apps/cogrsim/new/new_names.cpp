@@ -16,36 +16,36 @@ namespace {
 
 // Keywords and alternative tokens of C++20 (ISO/IEC 14882:2020, 5.5 and 5.11) in lower case.
 constexpr const char* kKeywordsOfCpp[] = {"alignas",       "alignof",     "and",
-                                       "and_eq",        "asm",         "auto",
-                                       "bitand",        "bitor",       "bool",
-                                       "break",         "case",        "catch",
-                                       "char",          "char16_t",    "char32_t",
-                                       "char8_t",       "class",       "co_await",
-                                       "co_return",     "co_yield",    "compl",
-                                       "concept",       "const",       "const_cast",
-                                       "consteval",     "constexpr",   "constinit",
-                                       "continue",      "decltype",    "default",
-                                       "delete",        "do",          "double",
-                                       "dynamic_cast",  "else",        "enum",
-                                       "explicit",      "export",      "extern",
-                                       "false",         "float",       "for",
-                                       "friend",        "goto",        "if",
-                                       "inline",        "int",         "long",
-                                       "mutable",       "namespace",   "new",
-                                       "noexcept",      "not",         "not_eq",
-                                       "nullptr",       "operator",    "or",
-                                       "or_eq",         "private",     "protected",
-                                       "public",        "register",    "reinterpret_cast",
-                                       "requires",      "return",      "short",
-                                       "signed",        "sizeof",      "static",
-                                       "static_assert", "static_cast", "struct",
-                                       "switch",        "template",    "this",
-                                       "thread_local",  "throw",       "true",
-                                       "try",           "typedef",     "typeid",
-                                       "typename",      "union",       "unsigned",
-                                       "using",         "virtual",     "void",
-                                       "volatile",      "wchar_t",     "while",
-                                       "xor",           "xor_eq"};
+                                          "and_eq",        "asm",         "auto",
+                                          "bitand",        "bitor",       "bool",
+                                          "break",         "case",        "catch",
+                                          "char",          "char16_t",    "char32_t",
+                                          "char8_t",       "class",       "co_await",
+                                          "co_return",     "co_yield",    "compl",
+                                          "concept",       "const",       "const_cast",
+                                          "consteval",     "constexpr",   "constinit",
+                                          "continue",      "decltype",    "default",
+                                          "delete",        "do",          "double",
+                                          "dynamic_cast",  "else",        "enum",
+                                          "explicit",      "export",      "extern",
+                                          "false",         "float",       "for",
+                                          "friend",        "goto",        "if",
+                                          "inline",        "int",         "long",
+                                          "mutable",       "namespace",   "new",
+                                          "noexcept",      "not",         "not_eq",
+                                          "nullptr",       "operator",    "or",
+                                          "or_eq",         "private",     "protected",
+                                          "public",        "register",    "reinterpret_cast",
+                                          "requires",      "return",      "short",
+                                          "signed",        "sizeof",      "static",
+                                          "static_assert", "static_cast", "struct",
+                                          "switch",        "template",    "this",
+                                          "thread_local",  "throw",       "true",
+                                          "try",           "typedef",     "typeid",
+                                          "typename",      "union",       "unsigned",
+                                          "using",         "virtual",     "void",
+                                          "volatile",      "wchar_t",     "while",
+                                          "xor",           "xor_eq"};
 
 // CMake refuses targets of these names, or makes them itself.
 constexpr const char* kTargetsOfCMake[] = {"all",
@@ -108,7 +108,8 @@ Result<> check_plugin_name(PluginKind kind, const std::string& name) {
   const auto refuse = [&](const std::string& why, const std::string& other) {
     std::string hint = "names are small letters, digits and _, and begin with a letter";
     if (!other.empty() && other != name) hint = fmt::format("'{}' would do; {}", other, hint);
-    return fail(fmt::format("'{}' is no name for a {}: {}", shown, to_string(kind), why), "", hint);
+    return fail(fmt::format("'{}' is not a name for a {}: {}", shown, to_string(kind), why), "",
+                hint);
   };
   if (name.empty()) return refuse("it is empty", "");
   if (name.find('/') != std::string::npos) {

@@ -13,7 +13,7 @@
 namespace cogrsim::cli {
 namespace {
 
-// Hues a golden angle apart, so that neighbours in the model differ; never black.
+// Hues a golden angle apart, so that consecutive bodies have different hues; never black.
 std::array<std::uint8_t, 3> body_color(int body) {
   const double hue = std::fmod(0.137 + 0.61803398875 * body, 1.0) * 6.0;
   const double strong = body % 2 == 0 ? 0.95 : 0.7, weak = strong * (body % 3 == 0 ? 0.15 : 0.4);

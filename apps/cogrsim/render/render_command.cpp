@@ -9,14 +9,14 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_models.h"
-#include "render/film.h"
-#include "render/frames.h"
 #include "common/options.h"
 #include "common/output_file.h"
-#include "render/overlays.h"
-#include "render/picture_file.h"
 #include "common/refuse.h"
 #include "common/terminal.h"
+#include "render/film.h"
+#include "render/frames.h"
+#include "render/overlays.h"
+#include "render/picture_file.h"
 #include "render/trails.h"
 
 namespace cogrsim::cli {
@@ -199,7 +199,7 @@ int render_command(const RenderCommandOptions& options) {
   }
   if (!moving && !has_ending(options.output, {".png", ".jpg", ".jpeg"})) {
     return misuse(
-        fmt::format("'{}' is no name for a picture\nhelp: end it with .png or .jpg, or "
+        fmt::format("'{}' is not a name for a picture\nhelp: end it with .png or .jpg, or "
                     "with .gif, .mp4 or .webm for a film",
                     options.output));
   }

@@ -39,7 +39,7 @@ Result<std::unique_ptr<ReplayTables>> ReplayTables::create(const std::string& fo
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder, error)) {
     return fail(fmt::format("cannot write tables into '{}': {}", folder,
-                            error ? error.message() : "it is no folder"));
+                            error ? error.message() : "it is not a folder"));
   }
   return std::unique_ptr<ReplayTables>(new ReplayTables(folder));
 }

@@ -1,4 +1,4 @@
-// Numbers of merit of one run: `<measure>`s of the scene and those named on the command line.
+// Measures (metrics) of one run: `<measure>`s of the scene and those named on the command line.
 #pragma once
 
 #include <memory>

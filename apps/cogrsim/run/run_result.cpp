@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "common/provenance_text.h"
 #include "common/scene_loading.h"
 #include "run/frame_json.h"
@@ -22,16 +23,6 @@ std::string fixed(double value, int digits) {
   // "-0.000" says no more than "0.000".
   if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) return text.substr(1);
   return text;
-}
-
-// Roll, pitch and yaw [deg] about fixed axes, as rpy= in a scene.
-Vec3 roll_pitch_yaw(const Quat& q) {
-  const Mat3 R = q.toRotationMatrix();
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  if (std::hypot(R(0, 0), R(1, 0)) < 1e-9) {  // gimbal lock: all of the turn is called roll
-    return Vec3(std::atan2(std::copysign(1.0, -R(2, 0)) * R(0, 1), R(1, 1)), pitch, 0.0) / kDegree;
-  }
-  return Vec3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))) / kDegree;
 }
 
 std::string more_text(std::size_t left) {
@@ -53,7 +44,7 @@ std::string body_table(const Frame& frame, const Style& style) {
     }
     ++rows;
     const Pose& pose = frame.state.poses[i];
-    const Vec3 rpy = roll_pitch_yaw(pose.q);
+    const Vec3 rpy = roll_pitch_yaw(pose.q) / kDegree;
     table.row({shortened(body.name, 32), fixed(pose.p.x(), 4), fixed(pose.p.y(), 4),
                fixed(pose.p.z(), 4), fixed(rpy.x(), 2), fixed(rpy.y(), 2), fixed(rpy.z(), 2),
                fixed(frame.state.twists[i].linear.norm(), 4)});

@@ -43,7 +43,7 @@ Result<ResultTable> read_sqlite(const std::string& path) {
   while (columns && columns.row()) units[columns.text(0)] = columns.text(1);
   Statement rows(db, "SELECT * FROM runs");
   if (!columns || !rows) {
-    return fail(fmt::format("'{}' is no table of a study: {}", path, rows.error()));
+    return fail(fmt::format("'{}' is not a table of a study: {}", path, rows.error()));
   }
   ResultTable table;
   for (int c = 0; c < rows.columns(); ++c) {

@@ -14,7 +14,7 @@ struct ResultTable {
   };
   struct Cell {
     std::string text;
-    double number;  ///< NaN where the text is no number
+    double number;  ///< NaN where the text is not a number
   };
   std::vector<Column> columns;
   std::vector<std::vector<Cell>> rows;  ///< cells by column

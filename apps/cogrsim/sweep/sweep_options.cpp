@@ -7,11 +7,11 @@
 #include <CLI/CLI.hpp>
 
 #include "cogrsim/physics/backend_choice.h"
+#include "common/arguments.h"
 #include "common/quantities.h"
 #include "common/scene_loading.h"
 #include "sweep/sweep_case.h"
 #include "sweep/sweep_command.h"
-#include "common/arguments.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -76,15 +76,16 @@ std::uint64_t bytes_from(const std::string& argument) {
       return static_cast<std::uint64_t>(*value * factor);
     }
   }
-  throw UsageError("--memory", Problem(fmt::format("'{}' is no amount of memory", argument), "",
+  throw UsageError("--memory", Problem(fmt::format("'{}' is not an amount of memory", argument), "",
                                        "write it like 500MB or 2GB"));
 }
 
 // A study file has all options of the command line except --jobs and the like.
 // False: it has errors, and they were printed.
 bool take_study(const SweepArguments& arguments, SweepOptions& options) {
-  const bool more = !arguments.vary.empty() || !arguments.set.empty() || !arguments.measures.empty() ||
-                    !arguments.seeds.empty() || !arguments.backends.empty() || !arguments.until.empty();
+  const bool more = !arguments.vary.empty() || !arguments.set.empty() ||
+                    !arguments.measures.empty() || !arguments.seeds.empty() ||
+                    !arguments.backends.empty() || !arguments.until.empty();
   if (more) {
     throw UsageError(
         "sweep",
@@ -171,27 +172,30 @@ void add_sweep(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<SweepArguments>();
   command
       .add_option("scene", arguments->scene,
-          "Scene, or a study file, which has all of the options below")
+                  "Scene, or a study file, which has all of the options below")
       ->required()
       ->type_name("SCENE|STUDY.xml");
   add_list(command, "--vary", arguments->vary,
            "Values of a <param>: a list, a range with a count (3cm..5cm:5, 1..100:3:log), or both; "
            "several of them make a grid",
            "NAME=VALUES");
-  command.add_option("--seeds", arguments->seeds,
-      "Seeds, such as 1..100 or 1,5,9; default: the scene's")
+  command
+      .add_option("--seeds", arguments->seeds,
+                  "Seeds, such as 1..100 or 1,5,9; default: the scene's")
       ->type_name("LIST");
   add_list(command, "-b,--backends", arguments->backends,
-      "Physics engines, with commas; default: the scene's", "A,B");
+           "Physics engines, with commas; default: the scene's", "A,B");
   add_list(command, "--measure", arguments->measures,
            "A number for the table: of a signal the last, min, max, mean or integral, of a "
            "condition the first time; beside the scene's <measure>s",
            "NAME=SIGNAL[@TAKE]");
-  add_list(command, "--set", arguments->set, "A <param> that is the same in all runs; may be repeated",
-           "NAME=VALUE");
-  command.add_option("--until", arguments->until, "End of each run; default: the scene's, else 10 s")
+  add_list(command, "--set", arguments->set,
+           "A <param> that is the same in all runs; may be repeated", "NAME=VALUE");
+  command
+      .add_option("--until", arguments->until, "End of each run; default: the scene's, else 10 s")
       ->type_name("T");
-  command.add_option("--step", arguments->step, "Step length; default: the scene's")->type_name("DT");
+  command.add_option("--step", arguments->step, "Step length; default: the scene's")
+      ->type_name("DT");
   command
       .add_option("-j,--jobs", arguments->options.jobs,
                   "Runs at a time; default: one per core, under mpirun one per process")

@@ -121,7 +121,7 @@ Result<SweepTable> SweepTable::open(const SweepPlan& plan) {
                       "SELECT (SELECT count(*) FROM sqlite_master) > 0 AND NOT EXISTS "
                       "(SELECT 1 FROM sqlite_master WHERE name = 'study')");
     if (!foreign || !foreign.row() || foreign.integer(0) != 0) {
-      return fail(fmt::format("'{}' is no table of a study", table.path_), "",
+      return fail(fmt::format("'{}' is not a table of a study", table.path_), "",
                   "choose another folder with -o");
     }
   }
@@ -227,7 +227,7 @@ Result<> SweepTable::create(const SweepPlan& plan) {
 
 Result<> SweepTable::read_existing(const SweepPlan& plan) {
   Statement study(db_, "SELECT key, value FROM study");
-  if (!study) return fail(fmt::format("'{}' is no table of a study: {}", path_, study.error()));
+  if (!study) return fail(fmt::format("'{}' is not a table of a study: {}", path_, study.error()));
   int version = 0;
   Json definition;
   while (study.row()) {

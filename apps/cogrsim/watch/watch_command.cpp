@@ -261,7 +261,7 @@ Result<> check_scene_file(const std::string& scene) {
     return fail(fmt::format("cannot watch '{}': {}", scene, std::strerror(errno)));
   }
   if (S_ISREG(info.st_mode)) return {};
-  return fail(fmt::format("cannot watch '{}': it is no ordinary file", scene), "",
+  return fail(fmt::format("cannot watch '{}': it is not an ordinary file", scene), "",
               S_ISDIR(info.st_mode) ? "name the scene file in it"
                                     : "what comes through a pipe comes once; save it as a file");
 }

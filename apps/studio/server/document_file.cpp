@@ -51,7 +51,7 @@ bool is_utf8(const std::string& text) {
 
 Result<std::string> read_text_file(const std::string& path, std::size_t most) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) return fail("it is no ordinary file", path);
+  if (!fs::is_regular_file(path, error)) return fail("it is not an ordinary file", path);
   Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file < 0) return fail("it cannot be read: " + reason(), path);
   std::string text;
@@ -126,7 +126,7 @@ Result<> check_bare_name(const std::string& name, const std::string& ending) {
   const bool ends = name.size() > ending.size() &&
                     name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
   if (plain && ends) return {};
-  return fail("'" + name + "' is no name for this file", "",
+  return fail("'" + name + "' is not a name for this file", "",
               "a name without folders that ends in " + ending);
 }
 

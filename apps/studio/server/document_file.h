@@ -1,4 +1,4 @@
-// The scene's file: read once, written whole or not at all, never over the changes of another
+// The scene's file: read once, written completely or not at all, never over the changes of another
 // program.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The thread that owns the simulation: it obeys, keeps time, and leaves frames behind.
+// The thread that owns the simulation: runs commands, paces real time, stores frames.
 #pragma once
 
 #include <atomic>
@@ -19,8 +19,8 @@
 #include "compare_run.h"
 #include "history.h"
 #include "run.h"
-#include "run_status.h"
 #include "run_scenes.h"
+#include "run_status.h"
 
 namespace cogrsim::studio {
 
@@ -92,7 +92,8 @@ class Engine {
   SimulationOptions simulation_options() const;
   Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
   tl::expected<void, Refusal> begin_again(const Scene& scene, const std::string& backend,
-                                         std::optional<double> dt, std::optional<CompareWish> wish);
+                                          std::optional<double> dt,
+                                          std::optional<CompareWish> wish);
   /// `new_plugins`: the run continues with them even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
                                                              const std::string& backend,
@@ -131,9 +132,9 @@ class Engine {
 
   std::unique_ptr<Simulation> simulation_;
   std::shared_ptr<const Provenance> provenance_;  ///< of it
-  FramePtr latest_;            ///< of the last step
-  SceneModelPtr numbered_model_;   ///< the one that has a number
-  bool same_lineage_ = false;  ///< the next number is for the same scene
+  FramePtr latest_;                               ///< of the last step
+  SceneModelPtr numbered_model_;                  ///< the one that has a number
+  bool same_lineage_ = false;                     ///< the next number is for the same scene
   SimulationOptions created_with_;
   std::uint32_t scene_number_ = 0;
   State state_ = State::stopped;

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "engine.h"
 #include "common/options.h"
+#include "engine.h"
 #include "run/recording_start.h"
 
 namespace cogrsim::studio {
@@ -44,7 +44,7 @@ Result<std::string> Engine::recording_path(const std::optional<std::string>& fil
     }
   }
   if (plain(*file) != *file || file->size() > 200) {
-    return fail("'" + *file + "' is no bare file name", "",
+    return fail("'" + *file + "' is not a bare file name", "",
                 "a recording goes beside the scene: give a name without folders");
   }
   const fs::path path = folder / (ends_so(*file) ? *file : *file + kEnding);
@@ -89,10 +89,11 @@ void Engine::end_recording(const std::string& why) {
   const auto done = recorder_->finish(simulation_->status());
   recorder_.reset();
   if (!done) {
-    publisher_.add_messages({{simulation_->time(), Severity::error, "recording", done.error().text()}});
+    publisher_.add_messages(
+        {{simulation_->time(), Severity::error, "recording", done.error().text()}});
   } else if (!why.empty()) {
     publisher_.add_messages({{simulation_->time(), Severity::note, "recording",
-                          "'" + recording_ + "' is written: " + why}});
+                              "'" + recording_ + "' is written: " + why}});
   }
   recording_.clear();
 }

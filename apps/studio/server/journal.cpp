@@ -73,7 +73,8 @@ Result<std::vector<UnsavedText>> texts_in(const std::string& bytes, std::size_t 
 
 Result<std::string> content(int file, std::size_t most) {
   struct stat about {};
-  if (::fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) return fail("it is no regular file");
+  if (::fstat(file, &about) != 0 || !S_ISREG(about.st_mode))
+    return fail("it is not a regular file");
   if (about.st_size < 0 || static_cast<std::size_t>(about.st_size) > most) {
     return fail("it is too large");
   }
@@ -148,7 +149,7 @@ void Journal::take(Location& location) {
   };
   struct stat about {};
   if (::lstat(location.path.c_str(), &about) != 0) return;
-  if (!S_ISREG(about.st_mode)) return complain("it is no regular file");
+  if (!S_ISREG(about.st_mode)) return complain("it is not a regular file");
   Descriptor file(::open(location.path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (file < 0) return complain(std::strerror(errno));
   if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return;

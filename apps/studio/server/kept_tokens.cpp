@@ -37,7 +37,7 @@ Result<Descriptor> private_folder(int parent, const char* name, const std::strin
     return failed("the folder cannot be made", path);
   }
   Descriptor folder(::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-  if (folder < 0) return failed("this is no folder that can be opened", path);
+  if (folder < 0) return failed("this is not a folder that can be opened", path);
   struct stat about {};
   if (::fstat(folder, &about) != 0) return failed("the folder cannot be read", path);
   if (about.st_uid != ::geteuid()) return fail("the folder is another user's", path);
@@ -52,7 +52,7 @@ Result<Descriptor> tokens_folder(const std::string& base) {
   fs::create_directories(base, error);
   if (error) return fail("the folder cannot be made: " + error.message(), base);
   const Descriptor top(::open(base.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (top < 0) return failed("this is no folder that can be opened", base);
+  if (top < 0) return failed("this is not a folder that can be opened", base);
   const auto ours = private_folder(top, "cogrsim", base + "/cogrsim");
   if (!ours) return tl::unexpected(ours.error());
   return private_folder(*ours, "studio", base + "/cogrsim/studio");

@@ -1,4 +1,4 @@
-// The matter of several elements taken as one.
+// Mass properties of several elements combined.
 #pragma once
 
 #include <vector>

@@ -508,7 +508,7 @@ Result<std::unique_ptr<Server>> Server::listen(const ServerOptions& options) {
   const auto address =
       asio::ip::make_address(options.host == "localhost" ? "127.0.0.1" : options.host, error);
   if (error) {
-    return fail(fmt::format("'{}' is no address to listen at", options.host), "",
+    return fail(fmt::format("'{}' is not an address to listen at", options.host), "",
                 "write 127.0.0.1 for this machine alone, or an address it has in its network");
   }
   const auto try_port = [&](unsigned short port) {

@@ -46,7 +46,7 @@ class Inbox {
   virtual ~Inbox() = default;
   virtual void joined(ClientId client, Role role) = 0;
   virtual void left(ClientId client) = 0;
-  /// A text message that is no acknowledgement; at most as long as the network's limit.
+  /// A text message that is not an acknowledgement; at most as long as the network's limit.
   virtual void received(ClientId client, std::string text) = 0;
   /// The file behind /asset/NUMBER: absolute path, "" for none. From the network's thread.
   virtual std::string asset(std::size_t number) = 0;

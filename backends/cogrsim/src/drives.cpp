@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "loops.h"
+#include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cogrsim/physics/drive.h"
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 namespace cogrsim::dynamics {
 

@@ -6,7 +6,7 @@
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_state.h"
-#include "joining.h"
+#include "inelastic_attach.h"
 #include "world.h"
 
 namespace cogrsim::dynamics {

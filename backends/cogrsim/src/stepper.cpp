@@ -28,7 +28,7 @@ bool is_free(const Mechanism& mechanism, const Component& c) {
     if ((c.inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
   }
   for (const Weld& weld : c.welds)
-    if (c.find(weld.master) < 0) return false;
+    if (c.find(weld.primary) < 0) return false;
   return true;
 }
 
@@ -112,7 +112,7 @@ void Stepper::measure_speeds(double h) {
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     const Link& link = mechanism_.links()[i];
     const double radius = detector_.bounding_radius(link.plan.body);
-    if (link.plan.ghost || radius == 0.0) continue;
+    if (link.plan.shadow || radius == 0.0) continue;
     const LinkMotion& motion = motions[i];
     const double spin = std::isfinite(radius) ? radius * motion.angular.norm() : 0.0;
     margins_[i] = kRestMargin + fall + h * (motion.linear.norm() + spin);
@@ -127,7 +127,7 @@ void Stepper::detect(double h) {
   offsets_.clear();
   for (std::size_t i = 0; i < links.size(); ++i) {
     const int body = links[i].plan.body;
-    if (links[i].plan.ghost || detector_.bounding_radius(body) == 0.0) continue;
+    if (links[i].plan.shadow || detector_.bounding_radius(body) == 0.0) continue;
     Placement X = motions[i].X;
     const Vec3 offset = 0.5 * h * motions[i].velocity_at(X * links[i].com);
     if (offset.norm() > detector_.thinness(body)) {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "accelerations.h"
 #include "collision/detector.h"
-#include "solver.h"
+#include "mechanism/accelerations.h"
+#include "solver/solver.h"
 
 namespace cogrsim::dynamics {
 
@@ -31,7 +31,7 @@ struct ContactRecord {
   int collider_a = -1, collider_b = -1;
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  ///< world
   double gap = 0.0;                                   ///< [m]
-  Wrench impulse;  ///< on b, at the point, world [N s], [N m s]
+  Wrench impulse;                                     ///< on b, at the point, world [N s], [N m s]
 };
 
 /// What a step takes from the one before, beside the state. All of it is part of a snapshot.
@@ -45,7 +45,7 @@ struct StepMemory {
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
   Values udot;                        ///< mean over the last step, impulses included
-  bool had_rows = false;              ///< `udot` and the rest are worth something
+  bool had_rows = false;              ///< `udot` and the rest are valid
   void clear();
 };
 
@@ -55,10 +55,10 @@ struct FreeMomentum {
   double mass = 0.0;
   Vec3 com = Vec3::Zero();
   Vec3 linear = Vec3::Zero();
-  Vec3 angular = Vec3::Zero();  ///< about the world's origin
-  Vec3 load = Vec3::Zero();  ///< weights and forces from outside [N]
+  Vec3 angular = Vec3::Zero();      ///< about the world's origin
+  Vec3 load = Vec3::Zero();         ///< weights and external forces [N]
   Vec3 load_moment = Vec3::Zero();  ///< about the world's origin [N m]
-  Mat3 inertia = Mat3::Zero();  ///< of all together, about com
+  Mat3 inertia = Mat3::Zero();      ///< of all together, about com
 };
 
 class Stepper {
@@ -66,7 +66,7 @@ class Stepper {
   Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options);
 
   /// One step of `dt` [s]. Kinematic bodies move with `twists` (nbody, of their origins). Throws
-  /// where loops cannot be closed; the state is then anywhere.
+  /// where loops cannot be closed; the state is then undefined.
   void advance(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
 
   StepMemory memory;
@@ -82,7 +82,7 @@ class Stepper {
   // near a singular position for accelerations to mean anything over the step; see loops.h.
   bool disagree(const Component& component, double h) const;
   // Takes the components marked in `doubtful_` by the midpoint scheme instead, from q0_, u0_,
-  // qdot0_; the state is anywhere after. `efforts`: sums without those of the step.
+  // qdot0_; the state is undefined afterwards. `efforts`: sums without those of the step.
   void pass_singular(double h, const EffortSums& efforts);
   // The motion with all rows, to displaced_ and stage_; the state is at the middle.
   void solve_rows(double h);
@@ -91,7 +91,7 @@ class Stepper {
   // wall by then.
   void detect(double h);
   // Links that joints hold inside each other would have to move far for a small gap, and those that
-  // joints keep from separating would be thrown about: none moves farther than free bodies do.
+  // joints keep from separating would get large displacements: each is limited to that of a free body.
   void limit_displacements(double h);
   double allowed_share(const Component& component, double h, double gained) const;
   // At the middle of the step. False when no row came out of it.

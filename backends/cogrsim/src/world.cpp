@@ -39,8 +39,8 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   progress_.start_u = m.state.u();
   StepResult result;
   try {
-    if (!external_.empty() || pushed_) engine_->mechanism.set_external(external_);
-    pushed_ = !external_.empty();
+    if (!external_.empty() || has_external_forces_) engine_->mechanism.set_external(external_);
+    has_external_forces_ = !external_.empty();
     engine_->stepper.advance(dt, drives, progress_.twists);
     result.body = find_diverged();
     if (result.body >= 0)

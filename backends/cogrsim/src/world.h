@@ -7,7 +7,7 @@
 
 #include "cogrsim/physics/scene_change.h"
 #include "cogrsim/physics/world.h"
-#include "reactions.h"
+#include "mechanism/reactions.h"
 #include "stepper.h"
 
 namespace cogrsim::dynamics {
@@ -41,7 +41,10 @@ struct Progress {
   bool reactions_kept = false;
 };
 
-class DynamicsWorld final : public World, public JointReactions, public KinematicDrive, public ExternalForces {
+class DynamicsWorld final : public World,
+                            public JointReactions,
+                            public KinematicDrive,
+                            public ExternalForces {
  public:
   /// Throws std::exception where loops cannot be closed.
   DynamicsWorld(SceneModelPtr model, const StepperOptions& options);
@@ -84,7 +87,7 @@ class DynamicsWorld final : public World, public JointReactions, public Kinemati
   void fill_unmoved_joint(const Joint& joint, WorldState& out) const;
 
   StepperOptions options_;
-  bool pushed_ = false;  ///< the mechanism has forces from outside
+  bool has_external_forces_ = false;  ///< the mechanism has external forces
   SceneModelPtr initial_;
   std::unique_ptr<Engine> engine_;
   Progress progress_;  ///< q, u, memory, impulses, records live in the engine while it runs

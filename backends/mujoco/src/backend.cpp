@@ -67,9 +67,8 @@ Capabilities make_capabilities() {
       "runtime.attach", Support::approximate,
       "by a plain hinge, ball or fixed joint: a soft constraint, see solrefequality, that stops "
       "what it forbids in some hundredths of a second");
-  out.set(
-      "runtime.body_kind", Support::approximate,
-      "what hangs on a body that is made static keeps its speed in the joint, not its momentum");
+  out.set("runtime.body_kind", Support::approximate,
+          "bodies jointed to one that is made static keep their joint speeds, not their momentum");
   out.set("report.joint_reaction", Support::approximate,
           "of joints in trees only; zero for those that close loops or attach bodies");
   return out;

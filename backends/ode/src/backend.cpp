@@ -79,8 +79,8 @@ Capabilities make_capabilities() {
   out.set("contact.surface-velocity", differs, "friction is a pyramid along and across it");
   out.set("contact.rolling-friction", differs, "bounded about each of two axes by itself");
   out.set("contact.spinning-friction", differs, "bounded by the load as it is without friction");
-  out.set("runtime.attach", differs, "the joint takes the speeds it forbids in the next step");
-  out.set("runtime.body_kind", differs, "what hangs on the body is stopped in the next step");
+  out.set("runtime.attach", differs, "the joint removes the forbidden velocities in the next step");
+  out.set("runtime.body_kind", differs, "connected bodies are stopped in the next step");
   out.set("report.contact_force", differs,
           "as QuickStep's 20 sweeps leave them: up to 62 % off in single steps of a stack of 10");
   return out;

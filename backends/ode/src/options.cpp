@@ -9,7 +9,8 @@ namespace cogrsim::ode {
 const ParameterTable& world_option_table() {
   static const ParameterTable table = {
       parameter("solver", "auto",
-                "step: dWorldStep, Dantzig's method, which costs the cube of what hangs together; "
+                "step: dWorldStep, Dantzig's method, which costs the cube of a connected group of "
+                "bodies; "
                 "quick: dWorldQuickStep, sweeps; auto: step where the scene has joints, else quick")
           .one_of({"auto", "step", "quick"}),
       parameter("iterations", 20, "sweeps of QuickStep (dWorldSetQuickStepNumIterations)")

@@ -109,7 +109,7 @@ class ColladaReader {
   }
 
   void node(const Node& n, const Transform& parent, int depth) {
-    if (depth > 64) throw Broken{"nodes refer to each other in a circle, or too deep"};
+    if (depth > 64) throw Broken{"nodes refer to each other in a cycle, or are nested too deep"};
     if (++nodes_ > 100000) throw Broken{"has more than 100000 nodes"};
     Transform X = parent;
     for (const Node* c : n.children) {

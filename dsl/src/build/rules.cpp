@@ -395,7 +395,7 @@ std::optional<Action> Builder::spawn(const Element& element) {
   if (r.has("in")) {
     const auto words = r.words("in");
     if (words.failed()) return std::nullopt;
-    for (const Word& word : *words) good = spawn_poses(element, word, spawn.places) && good;
+    for (const Word& word : *words) good = spawn_poses(element, word, spawn.candidate_poses) && good;
   }
   const auto clearance = r.number("clearance");
   const auto lifetime = r.number("lifetime");

@@ -32,7 +32,7 @@ struct StartProblem {
 
 /// Moves the bodies along the joint tree by the joints' initial positions (the written poses are
 /// q = 0), then gives twists the same way, and coordinates and speeds to all joints without. The
-/// root of a tree is a static or kinematic body, else its first body that is no joint's child. A
+/// root of a tree is a static or kinematic body, else its first body that is not a joint's child. A
 /// body that has a twist of its own keeps it, when its joint allows it.
 /// Needs mark_loops() first. Returns what does not fit.
 std::vector<StartProblem> settle_start(SceneModel& model, const StartHints& hints);

@@ -248,7 +248,7 @@ Result<> SceneEditor::run(const DisassembleElement& op) {
   if (!e) return tl::unexpected(e.error());
   EditElement& whole = **e;
   if (whole.tag != "assembly")
-    return fail(called(whole) + " is no assembly", "", "assemblies can be taken apart");
+    return fail(called(whole) + " is not an assembly", "", "assemblies can be taken apart");
   EditElement& home = *whole.parent;
   EditElement& scope = *scope_of(whole);
   std::vector<EditElement*> parts;

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "edit/edit_scene.h"
-#include "values/roll_pitch_yaw.h"
 #include "values/value.h"
 
 namespace cogrsim::dsl {
@@ -151,7 +151,7 @@ Result<> SceneEditor::write_pose(EditElement& element, const Pose& X_W, double t
   if (spec == nullptr || spec->find("xyz") == nullptr)
     return fail(called(element) + " has no pose of its own");
   if (!X_W.p.allFinite() || !X_W.q.coeffs().allFinite() || X_W.q.norm() < 1e-9)
-    return fail("this is no pose: 3 coordinates and a quaternion other than 0 are needed");
+    return fail("this is not a pose: 3 coordinates and a quaternion other than 0 are needed");
   const auto X_WR = reference_pose(element);
   if (!X_WR) return tl::unexpected(X_WR.error());
   Pose X_RE = X_WR->inverse() * X_W;
@@ -234,7 +234,7 @@ Result<> SceneEditor::run(const PlaceElement& op) {
   auto e = one_thing(op.element, "place");
   if (!e) return tl::unexpected(e.error());
   if (!op.pose.p.allFinite() || !op.pose.q.coeffs().allFinite() || op.pose.q.norm() < 1e-9)
-    return fail("this is no pose: 3 coordinates and a quaternion other than 0 are needed");
+    return fail("this is not a pose: 3 coordinates and a quaternion other than 0 are needed");
   Pose wanted = op.pose;
   wanted.q.normalize();
   // A displacement by the joints' initial positions is kept: the whole moves along.

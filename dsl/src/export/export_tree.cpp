@@ -227,7 +227,7 @@ void ExportTree::build() {
     if (other >= 0) links.back().X_PF = model.bodies[index(other)].X_WB * links.back().X_PF;
   }
   grow();
-  // The base of what is free: a body that is no joint's child, if there is one.
+  // The base of what is free: a body that is not a joint's child, if there is one.
   for (const bool any : {false, true})
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       if (!wanted[b] || link_of_[b] >= 0) continue;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "export/export_tree.h"
-#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::exporting {
 

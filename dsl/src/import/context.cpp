@@ -130,7 +130,7 @@ Context::Context(const std::string& path, const ImportOptions& given) : options(
 std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source& from) {
   std::error_code fault;
   if (fs::exists(path, fault) && !fs::is_regular_file(path, fault))
-    refuse(from, "CG0101", fmt::format("'{}' is no regular file", shown(path)));
+    refuse(from, "CG0101", fmt::format("'{}' is not a regular file", shown(path)));
   const std::uintmax_t size = fs::file_size(path, fault);
   if (!fault && bytes_ + size > kMostBytes)
     refuse(from, "CG1402",
@@ -170,7 +170,7 @@ Result<std::string> Context::package(const std::string& name) {
     return true;
   };
   // Above the model: the folder of that name in which it lies, and folders of that name beside it. They
-  // say themselves that they are packages, lest a model read in whatever folder it names.
+  // must contain package.xml or model.config, so that a model cannot read any folder it names.
   const auto is_package = [](const fs::path& folder) {
     std::error_code fault;
     return fs::is_regular_file(folder / "package.xml", fault) ||

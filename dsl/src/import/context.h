@@ -52,7 +52,7 @@ class Context {
   /// A file that the model names: relative to `from`'s file, package://, model:// or file://.
   /// It must lie below an allowed folder. Errors: it does not, or there is none.
   Result<std::string> locate(const std::string& href, const Source& from);
-  /// The extent of a mesh that locate() found, read once. Errors: the file is no mesh.
+  /// The extent of a mesh that locate() found, read once. Errors: the file is not a mesh.
   const Result<Bounds>& mesh_bounds(const std::string& path);
   /// Whether a canonical path lies below the model's folder or a package.
   bool allowed(const std::string& path) const;

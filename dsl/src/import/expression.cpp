@@ -41,7 +41,7 @@ bool equal(const PyValue& a, const PyValue& b, int depth = 0) {
 }
 
 PyValue integer_or(double value, bool integer) {
-  if (!std::isfinite(value)) throw PyError{"the result is no finite number"};
+  if (!std::isfinite(value)) throw PyError{"the result is not a finite number"};
   if (integer && std::abs(value) < 9e15) return {static_cast<long long>(value)};
   return {value};
 }

@@ -73,16 +73,16 @@ const XmlElement* descend(const XmlElement* e, std::initializer_list<const char*
 
 class SensorReader {
  public:
-  SensorReader(Context& context, const XmlElement& e, const SensorPlace& place)
-      : context_(context), e_(e), place_(place) {}
+  SensorReader(Context& context, const XmlElement& e, const SensorMount& mount)
+      : context_(context), e_(e), mount_(mount) {}
 
   std::optional<RobotSensor> read() {
     const std::string* type = e_.find("type");
     kind_ = type == nullptr ? "" : *type;
     out_.name = e_.find("name") == nullptr ? kind_ : *e_.find("name");
     out_.at = e_.at;
-    out_.X = place_.X;
-    if ((kind_ == "force_torque") == place_.joint.empty()) return left_out();
+    out_.X = mount_.X;
+    if ((kind_ == "force_torque") == mount_.joint.empty()) return left_out();
     if (const auto rate = number(&e_, "update_rate"); rate && *rate > 0.0 && std::isfinite(*rate))
       set("rate", fmt::format("{} Hz", *rate));
     else if (rate && *rate != 0.0)
@@ -139,7 +139,7 @@ class SensorReader {
     std::string why = fmt::format("there is no sensor of type '{}'", kind_);
     for (const auto& [kind, instead] : kInstead)
       if (kind_ == kind) why += fmt::format(": {}", instead);
-    if (!place_.joint.empty() && kind_ != "force_torque")
+    if (!mount_.joint.empty() && kind_ != "force_torque")
       why = "of a joint only force and torque are measured";
     context_.left_out(e_.at, quoted_name(e_), why);
     return std::nullopt;
@@ -299,12 +299,12 @@ class SensorReader {
 
   void contact() {
     out_.element = "contact";
-    if (place_.collisions > 1) differ("measures all collisions of its link");
+    if (mount_.collisions > 1) differ("measures all collisions of its link");
   }
 
   void force_torque() {
     out_.element = "force-torque";
-    out_.joint = place_.joint;
+    out_.joint = mount_.joint;
     const XmlElement* ft = e_.child("force_torque");
     const std::string frame = ft == nullptr ? "" : child_text(*ft, "frame");
     if (!frame.empty() && frame != "child")
@@ -317,7 +317,7 @@ class SensorReader {
 
   Context& context_;
   const XmlElement& e_;
-  const SensorPlace& place_;
+  const SensorMount& mount_;
   RobotSensor out_;
   std::string kind_, differs_;
 };
@@ -398,8 +398,8 @@ bool has_word(const std::string& keys, const std::string& word) {
 }  // namespace
 
 std::optional<RobotSensor> gazebo_sensor(Context& context, const XmlElement& e,
-                                         const SensorPlace& place) {
-  return SensorReader(context, e, place).read();
+                                         const SensorMount& mount) {
+  return SensorReader(context, e, mount).read();
 }
 
 std::string plugin_element(const XmlElement& plugin) {

@@ -23,7 +23,7 @@ Pose child_pose(Context& context, const XmlElement& in);
 // ---- sensors and plugins
 
 /// What a sensor is on: a link with so many collisions, or a joint.
-struct SensorPlace {
+struct SensorMount {
   Pose X;  ///< in the link
   std::size_t collisions = 0;
   std::string joint;  ///< empty: a link
@@ -31,7 +31,7 @@ struct SensorPlace {
 
 /// A <sensor> in the scene's terms; nothing: left out. Either is reported.
 std::optional<RobotSensor> gazebo_sensor(Context& context, const XmlElement& e,
-                                         const SensorPlace& place);
+                                         const SensorMount& mount);
 
 /// The system that a plugin is, such as "diffdrive": its class or file in small letters.
 std::string gazebo_system(const XmlElement& plugin);

@@ -45,7 +45,7 @@ RobotModel MjcfReader::read(XmlElement& root) {
 
 void MjcfReader::include(XmlElement& in, int depth) {
   if (depth > 80)
-    context_.refuse(in.at, "CG1402", "files include each other in a circle, or too deep");
+    context_.refuse(in.at, "CG1402", "files include each other in a cycle, or are nested too deep");
   for (std::size_t i = 0; i < in.children.size(); ++i) {
     XmlElement& e = *in.children[i];
     if (e.name != "include") {

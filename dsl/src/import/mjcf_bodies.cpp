@@ -224,7 +224,7 @@ RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
     add_to(differs, fmt::format("its opening angle is {} rad", fov));
   }
   out.attributes.emplace_back("fov", fmt::format("{} rad", tidy(fov)));
-  // MuJoCo takes an image when a program asks for one; a scene's camera takes them as time goes on.
+  // MuJoCo takes an image when a program asks for one; a scene's camera takes them at its rate.
   out.attributes.emplace_back("rate", "30 Hz");
   out.attributes.emplace_back("enabled", "false");
   context_.exact_unless(source.at, quoted_name(source), differs,

@@ -189,7 +189,7 @@ class MjcfReader {
   void tendon_equality(const XmlElement& source, const XmlElement& e);
   /// Spring, damping, friction and limits of a fixed tendon.
   void tendon_passive(Tendon& t);
-  /// The sum without joints that follow others. Empty: they follow in a circle, or too deep.
+  /// The sum without joints that follow others. Empty: they form a cycle, or are nested too deep.
   std::optional<Transmission> without_followers(const std::vector<std::pair<int, double>>& joints);
   /// Whether a joint or tendon has limits.
   bool is_limited(const XmlElement& e) const;

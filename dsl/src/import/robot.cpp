@@ -94,7 +94,7 @@ std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double
 
 namespace {
 
-/// The extent of a shape that is no primitive, in its own axes.
+/// The extent of a shape that is not a primitive, in its own axes.
 Bounds extent(Context& context, const Geometry& g) {
   Bounds out;
   if (g.type == Geometry::Type::mesh) {
@@ -132,7 +132,7 @@ std::optional<Mat3> inertia_of_shapes(Context& context, const RobotLink& link, b
   return out.allFinite() ? std::optional(out) : std::nullopt;
 }
 
-/// A mass that turns without inertia was not thought of: the shapes' inertia takes its place.
+/// A zero inertia with a mass is an omission: the shapes' inertia takes its place.
 void fill_empty_inertia(Context& context, RobotLink& link) {
   if (link.inertia->I.cwiseAbs().maxCoeff() > 0.0) return;
   auto I = inertia_of_shapes(context, link, true);

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "cogrsim/core/types.h"
 #include "cogrsim/model/mass_properties.h"
 #include "import/context.h"
-#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::import {
 

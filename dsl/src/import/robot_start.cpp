@@ -62,18 +62,18 @@ bool RobotStart::closes(const RobotJoint& j) {
     return left_out("joins what does not move");
   if (!followers_.empty() && coupled_above(j.parent) != coupled_above(j.child))
     return left_out("a coupling with an offset moves a joint of it at the start");
-  // A loop's first joint hangs a free tree up, which then moves about it.
+  // A loop's first joint attaches a free tree, which then moves about it.
   const auto end = [&](int link) {
-    while (link >= 0 && inboard_[link] != nullptr &&
-           inboard_[link]->type != RobotJoint::Type::free)
+    while (link >= 0 && inboard_[link] != nullptr && inboard_[link]->type != RobotJoint::Type::free)
       link = inboard_[link]->parent;
-    for (auto on = hung_.find(link); on != hung_.end(); on = hung_.find(link)) link = on->second;
+    for (auto on = attached_.find(link); on != attached_.end(); on = attached_.find(link))
+      link = on->second;
     return robot_.stands(link) ? -1 : link;
   };
   const int a = end(j.parent), b = end(j.child);
   if (a != b)
-    hung_[std::max(a, b)] = std::min(a, b);
-  else if (!hung_.empty() && moved_)
+    attached_[std::max(a, b)] = std::min(a, b);
+  else if (!attached_.empty() && moved_)
     return left_out("another one holds the robot, whose joints do not start at their zeros");
   if (j.parent < 0) return true;
   const Vec3 in_parent = zero_poses_[j.parent].inverse() * (zero_poses_[j.child] * j.anchor);
@@ -128,7 +128,7 @@ void RobotStart::find_couplings() {
     if (waits_for[&j] > 0)
       uncoupled_[&j] = j.coupling->terms.size() == 1 && j.coupling->terms[0].joint == j.name
                            ? "it is coupled to itself"
-                           : "the couplings form a circle";
+                           : "the couplings form a cycle";
 }
 
 void RobotStart::couple(const RobotJoint& j,

@@ -37,7 +37,7 @@ class RobotStart {
   /// Poses of all links in the robot's frame, with the joints moved from their zeros by this.
   std::vector<Pose> find_poses(const std::function<Pose(const RobotJoint&)>& moved_by) const;
   /// Finds which couplings the scene can have, and where they put their joints at the start: a joint
-  /// that others follow before those. What is left over follows a circle.
+  /// that others follow before those. The rest form a cycle.
   void find_couplings();
   void couple(const RobotJoint& j, const std::unordered_map<std::string, const RobotJoint*>& named);
 
@@ -48,8 +48,8 @@ class RobotStart {
   std::vector<const RobotJoint*> coupled_;
   std::vector<const RobotJoint*> inboard_;  // of each link
   std::vector<Pose> poses_, zero_poses_;
-  bool moved_ = false;       // joints away from their zeros
-  std::map<int, int> hung_;  // the root of a free tree, and what a loop's joint hangs it on
+  bool moved_ = false;           // joints away from their zeros
+  std::map<int, int> attached_;  // the root of a free tree, and what a loop's joint attaches it to
 };
 
 }  // namespace cogrsim::dsl::import

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "import/robot.h"
-#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl::import {
 

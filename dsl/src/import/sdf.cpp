@@ -119,7 +119,8 @@ class SdfReader {
   /// Puts models in the place of each <include>.
   void read_includes(XmlElement& in, int depth) {
     if (depth > 20)
-      context_.refuse(in.at, "CG1402", "models include each other in a circle, or too deep");
+      context_.refuse(in.at, "CG1402",
+                      "models include each other in a cycle, or are nested too deep");
     std::vector<std::unique_ptr<XmlElement>> children;
     for (auto& c : in.children) {
       if (c->name == "include") c = included(*c);
@@ -479,14 +480,14 @@ class SdfReader {
                           "is not computed");
     }
     if (inertia.mass > 0.0) out.inertia = inertia;
-    SensorPlace place;
-    for (const auto& c : e.children) place.collisions += c->name == "collision" ? 1 : 0;
+    SensorMount mount;
+    for (const auto& c : e.children) mount.collisions += c->name == "collision" ? 1 : 0;
     for (const auto& c : e.children) {
       if (c->name == "visual" || c->name == "collision") {
         shape(*c, out, c->name == "visual", pose_on(*c, X_ML, names));
       } else if (c->name == "sensor") {
-        place.X = pose_on(*c, X_ML, names);
-        if (auto made = gazebo_sensor(context_, *c, place)) out.sensors.push_back(std::move(*made));
+        mount.X = pose_on(*c, X_ML, names);
+        if (auto made = gazebo_sensor(context_, *c, mount)) out.sensors.push_back(std::move(*made));
       } else if (c->name == "light") {
         light(*c, out.X * pose_on(*c, X_ML, names), !out.is_static);
       } else if (c->name == "gravity") {
@@ -771,19 +772,19 @@ class SdfReader {
     }
     for (const auto& c : e.children) {
       if (c->name != "sensor") continue;
-      SensorPlace place;
-      place.joint = out.name;
-      if (auto made = gazebo_sensor(context_, *c, place))
+      SensorMount mount;
+      mount.joint = out.name;
+      if (auto made = gazebo_sensor(context_, *c, mount))
         robot_.links[out.child].sensors.push_back(std::move(*made));
     }
     if (*type == "revolute2") context_.exact(e.at, quoted_name(e), "is a universal joint");
     context_.exact(e.at, quoted_name(e));
-    // A second joint on a link closes a loop, and one on a link that its parent hangs on.
-    carrier_.resize(robot_.links.size(), kNoLink);
-    int& carrier = carrier_[out.child];
-    bool closes = carrier != kNoLink;
-    for (int up = out.parent; up >= 0 && !closes; up = carrier_[up]) closes = up == out.child;
-    if (!closes) carrier = out.parent;
+    // A second joint on a link closes a loop, and one on an ancestor of its parent.
+    parent_.resize(robot_.links.size(), kNoLink);
+    int& parent_link = parent_[out.child];
+    bool closes = parent_link != kNoLink;
+    for (int up = out.parent; up >= 0 && !closes; up = parent_[up]) closes = up == out.child;
+    if (!closes) parent_link = out.parent;
     (closes ? robot_.loops : robot_.joints).push_back(std::move(out));
   }
 
@@ -826,7 +827,7 @@ class SdfReader {
   std::map<const XmlElement*, std::string> scopes_;
   std::map<std::string, std::shared_ptr<const HeightField>> heights_;  ///< by path
   static constexpr int kNoLink = -2;
-  std::vector<int> carrier_;  ///< of each link: the link that its joint hangs on, or the world (-1)
+  std::vector<int> parent_;  ///< of each link: the parent link of its joint, or the world (-1)
   int models_ = 0, model_indices_ = 0;
 };
 

@@ -465,15 +465,15 @@ class UrdfReader {
 
   /// A sensor of a link, or with `link` < 0 of a joint.
   void sensor(const XmlElement& e, int link, const std::string& reference) {
-    SensorPlace place;
-    place.X = child_pose(context_, e);
+    SensorMount mount;
+    mount.X = child_pose(context_, e);
     if (link < 0) {
-      place.joint = reference;
+      mount.joint = reference;
       link = robot_.joints[robot_.joint(reference)].child;
     }
     RobotLink& on = robot_.links[link];
-    for (const RobotShape& s : on.shapes) place.collisions += s.collides ? 1 : 0;
-    if (auto made = gazebo_sensor(context_, e, place)) on.sensors.push_back(std::move(*made));
+    for (const RobotShape& s : on.shapes) mount.collisions += s.collides ? 1 : 0;
+    if (auto made = gazebo_sensor(context_, e, mount)) on.sensors.push_back(std::move(*made));
   }
 
   void check_tree(const XmlElement& root) {
@@ -498,7 +498,7 @@ class UrdfReader {
       top = i;
     }
     if (count == 0)
-      context_.error(root.at, "CG1410", "no link is the root: the joints go in a circle");
+      context_.error(root.at, "CG1410", "no link is the root: the joints form a cycle");
     if (count > 1)
       context_.error(root.at, "CG1410", fmt::format("{} links have no parent: {}", count, roots),
                      "join them, or remove those that do not belong to the robot");
@@ -510,7 +510,7 @@ class UrdfReader {
       context_.exact(link.at, "link 'world'",
                      "is the world: what a fixed joint joins to it is static");
     }
-    // Every link must be reached from the root, else some go in a circle.
+    // Every link must be reached from the root, else some form a cycle.
     std::vector<bool> reached(carrier.size(), false);
     for (std::size_t i = 0; i < carrier.size(); ++i) {
       std::vector<std::size_t> path;

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostElements = 250000;
-constexpr int kMostDepth = 120;             // calls inside calls
+constexpr int kMostDepth = 120;              // calls inside calls
 constexpr std::size_t kMostCalls = 1000000;  // also of macros that make nothing
 constexpr int kMostLevels =
     1500;  // elements, blocks and calls inside each other: a matter of the stack
@@ -557,7 +557,8 @@ class Xacro {
       refuse(e, path.error().message, path.error().hint);
     }
     if (++depth_ > kMostDepth)
-      context_.refuse(e.at, "CG1402", "files include each other in a circle, or too deep");
+      context_.refuse(e.at, "CG1402",
+                      "files include each other in a cycle, or are nested too deep");
     std::string inner = prefix;
     if (const std::string* ns = e.find("ns"); ns != nullptr && !ns->empty())
       inner += text(*ns, e, frame, prefix) + ".";

@@ -14,7 +14,7 @@ std::vector<CodeInfo> import_codes() {
       {"CG1402", error, "a model beyond the limits",
        "The model has more files, elements or bytes than a robot needs, or files, macros or "
        "elements contain each other without end or too deep.",
-       "Remove the circle, or split the model.",
+       "Break the cycle, or split the model.",
        "bad:  <xacro:macro name=\"leg\"> <xacro:leg/> </xacro:macro>"},
       {"CG1403", error, "a value that is not a number",
        "An attribute or text of the model has other than finite numbers, or too many or too few.",

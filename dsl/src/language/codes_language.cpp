@@ -23,8 +23,8 @@ std::vector<CodeInfo> language_codes() {
        "Close the innermost open element first, with its own name.",
        "bad:  <body> <box …/> </boy>\ngood: <body> <box …/> </body>"},
       {"CG0105", error, "an attribute written twice",
-       "An element may have each attribute only once.",
-       "Delete one of the two.", "bad:  <box mass=\"1\" mass=\"2\"/>\ngood: <box mass=\"2\"/>"},
+       "An element may have each attribute only once.", "Delete one of the two.",
+       "bad:  <box mass=\"1\" mass=\"2\"/>\ngood: <box mass=\"2\"/>"},
       {"CG0106", error, "an unknown entity",
        "XML knows &lt; &gt; &amp; &quot; &apos; and numbers such as &#176;. Others cannot be "
        "defined "
@@ -73,10 +73,10 @@ std::vector<CodeInfo> language_codes() {
        "Move the text into a comment, <!-- like this -->.", "bad:  <scene> hello </scene>"},
       {"CG0207", error, "an element that is allowed only once",
        "A scene has at most one element of this kind, and this is the second.",
-       "Merge the two elements.",
-       "bad:  <physics step=\"1 ms\"/> <physics gravity=\"0 0 0\"/>"},
+       "Merge the two elements.", "bad:  <physics step=\"1 ms\"/> <physics gravity=\"0 0 0\"/>"},
       {"CG0208", error, "a root that is not a scene", "The outermost element must be <scene>.",
-       "Wrap everything in <scene>. Files of other formats (URDF, SDF, MJCF) cannot be read.",
+       "Wrap everything in <scene>. Convert other formats (URDF, xacro, MJCF, SDF) with `cogrsim "
+       "import`, or use them by `<import>`.",
        "bad:  <robot name=\"r\"/>\ngood: <scene name=\"r\"/>"},
       // ---- CG03: expansion
       {"CG0301", error, "a file that cannot be found",
@@ -142,8 +142,7 @@ std::vector<CodeInfo> language_codes() {
       {"CG0404", error, "a name of the wrong kind",
        "The name exists but has the wrong kind, for example a material where a body is "
        "needed.",
-       "Name an element of the expected kind.",
-       "bad:  <hinge child=\"rubber\" …/>"},
+       "Name an element of the expected kind.", "bad:  <hinge child=\"rubber\" …/>"},
       {"CG0405", error, "an ambiguous name",
        "The name stands for an assembly of several bodies where one body is needed.",
        "Name one body, such as robot.chassis, or make the assembly rigid.", "<imu on=\"robot\"/>"},
@@ -156,13 +155,11 @@ std::vector<CodeInfo> language_codes() {
       {"CG0502", error, "a value of the wrong dimension",
        "Units are checked: a length is not allowed where an angle is needed. The results of "
        "expressions have dimensions, too.",
-       "Use a unit of the expected dimension.",
-       "bad:  fov=\"60 cm\"\ngood: fov=\"60 deg\""},
+       "Use a unit of the expected dimension.", "bad:  fov=\"60 cm\"\ngood: fov=\"60 deg\""},
       {"CG0503", error, "an angle without its unit",
        "Other numbers without a unit are metres, kilograms and seconds, but an angle of 1.5 could "
        "mean degrees or radians.",
-       "Add deg or rad. Only 0 needs no unit.",
-       "bad:  rpy=\"0 90 0\"\ngood: rpy=\"0 90 0 deg\""},
+       "Add deg or rad. Only 0 needs no unit.", "bad:  rpy=\"0 90 0\"\ngood: rpy=\"0 90 0 deg\""},
       {"CG0504", error, "an unknown unit", "No unit of this name is known.",
        "Use SI units, composed with * / and ^: kg/m^3, N*m, rad/s. Prefixed ones such as cm and "
        "ms, and deg, rpm and Hz are known.",
@@ -176,8 +173,7 @@ std::vector<CodeInfo> language_codes() {
        "bad:  xyz=\"0 1\"\ngood: xyz=\"0 1 0\""},
       {"CG0507", error, "a value out of range",
        "The value lies outside the range of this attribute.",
-       "The message states the allowed range.",
-       "bad:  radius=\"-1 cm\""},
+       "The message states the allowed range.", "bad:  radius=\"-1 cm\""},
       {"CG0508", error, "a value that is not one of the choices",
        "The attribute takes one of a fixed set of values.", "Use a value that the message lists.",
        "bad:  mode=\"speed\"\ngood: mode=\"velocity\""},

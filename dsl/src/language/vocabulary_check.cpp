@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <array>
 
+#include "language/vocabulary.h"
 #include "report/diagnostics.h"
 #include "syntax/text.h"
-#include "language/vocabulary.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -106,7 +106,8 @@ constexpr Translation kAttributes[] = {{"origin", "xyz (and rpy)"},
 std::string element_cure(std::string_view word) {
   if (word == "geom" || word == "geometry" || word == "collision" || word == "visual" ||
       word == "shape") {
-    return "write the shape itself: box, sphere, cylinder, capsule, ellipsoid, cone, prism, plane, mesh "
+    return "write the shape itself: box, sphere, cylinder, capsule, ellipsoid, cone, prism, plane, "
+           "mesh "
            "or heightmap" +
            std::string(word == "collision" ? "; an invisible shape has visible=\"false\""
                        : word == "visual"  ? "; a shape without contacts has collide=\"false\""
@@ -117,7 +118,8 @@ std::string element_cure(std::string_view word) {
   if (word == "unfreeze") return "it is called <make-dynamic> since version 0.2";
   if (word == "tell") return "it is called <log> since version 0.2";
   if (word == "joint") {
-    return "write the kind of joint: hinge, slider, ball, universal, fixed, cylindrical, planar, "
+    return "write the kind of joint: hinge, slider, ball, universal, gimbal, fixed, cylindrical, "
+           "planar, "
            "screw or free";
   }
   if (word == "inertial" || word == "inertia") {
@@ -161,7 +163,7 @@ class Checker {
           .help(small_letters(root.name) == "scene" ? "names are written in lower case: <scene>"
                 : find_element(root.name)
                     ? "put it into <scene name=\"…\" version=\"1\"> … </scene>"
-                    : "scenes in other formats must be rewritten");
+                    : "convert URDF, xacro, MJCF or SDF with cogrsim import");
       document.root = nullptr;
       return;
     }
@@ -232,7 +234,9 @@ class Checker {
       } else if (where.spec->engine_blocks && where.spec->children.empty()) {
         for (const std::string& engine : files_.engine_blocks())
           help += (help.empty() ? "the options of an engine are allowed here: "
-                                  "<" : ", <") + engine + ">";
+                                  "<"
+                                : ", <") +
+                  engine + ">";
       }
     }
     report.help(help);

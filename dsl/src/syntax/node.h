@@ -85,7 +85,7 @@ class SourceFiles {
   const Document* open_scene(const std::string& path);
   const Document* open_scene_text(const std::string& text, const std::string& name);
 
-  /// A file that is no scene: nothing but its XML is checked. To be called first and once.
+  /// A file that is not a scene: nothing but its XML is checked. To be called first and once.
   const Document* open_plain(const std::string& path, bool lenient = false);
   const Document* open_plain_text(const std::string& text, const std::string& name);
 

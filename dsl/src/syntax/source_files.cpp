@@ -348,7 +348,7 @@ std::string SourceFiles::locate(std::string_view href, const SourceSpan& at, con
     return {};
   }
   if (other_kind) {
-    sink_.report("CG0301", at, nullptr, "\"" + shown + "\" is no regular file")
+    sink_.report("CG0301", at, nullptr, "\"" + shown + "\" is not a regular file")
         .help("a scene reads no folders, devices and pipes");
     return {};
   }

@@ -240,7 +240,7 @@ class Parser : expression::Parser<Parser, Value, kDeepest> {
     const std::size_t unit_end = expression::longest_known(
         text_, unit_begin,
         [](char c) { return in_word(c) || c == '*' || c == '/' || c == '^' || c == '-'; },
-        // Not in the middle of a word or before a call: "3 min(…)" is no minute.
+        // Not in the middle of a word or before a call: "3 min(…)" is not a minute.
         [](char last, char next) { return next == '(' || (is_letter(last) && in_word(next)); },
         [&](std::string_view name) {
           unit = is_letter(name[0]) ? parse_unit(name) : std::nullopt;
@@ -250,7 +250,7 @@ class Parser : expression::Parser<Parser, Value, kDeepest> {
       at_ = unit_end;
       return Value::number(unit->to_si(*number), unit->dimension);
     }
-    // A word behind a number that is no operator was meant as a unit.
+    // A word behind a number that is not an operator was meant as a unit.
     const std::string_view word = peek_word();
     if (!word.empty() && std::none_of(std::begin(kInfix), std::end(kInfix),
                                       [&](const Operator& op) { return op.text == word; })) {

@@ -240,7 +240,7 @@ class ListParser {
     unit_possible_ = true;
   }
 
-  /// One unit at the end goes for the whole list; otherwise all or none.
+  /// One unit at the end applies to all entries; otherwise every entry has a unit, or none.
   void share_unit() {
     if (!syntax_.list_unit || entries_.size() < 2) return;
     if (units_ == 1 && last_unit_ == entries_.size() - 1) {

@@ -3,10 +3,10 @@
 #include <cassert>
 #include <cmath>
 
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "report/diagnostics.h"
 #include "values/attribute_text.h"
 #include "values/reader_detail.h"
-#include "values/roll_pitch_yaw.h"
 
 namespace cogrsim::dsl {
 namespace {

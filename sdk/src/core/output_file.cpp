@@ -222,7 +222,7 @@ Result<> check_output(const std::string& path, OutputKind kind, const OutputRule
     return refused(path, fmt::format("folder '{}': {}", folder, system_reason()),
                    "create the folder first");
   }
-  if (!S_ISDIR(info.st_mode)) return refused(path, fmt::format("'{}' is no folder", folder));
+  if (!S_ISDIR(info.st_mode)) return refused(path, fmt::format("'{}' is not a folder", folder));
   if (!rules.folder.empty()) {
     if (auto inside = check_inside(path, kind, rules.folder); !inside) return inside;
   }

@@ -62,7 +62,7 @@ bool meets_triangles(const PlacedShape& surface, const PlacedShape& other) {
             convex_meet(other, triangle, triangle[0] - middle);
   });
   if (surface.shape->type != ShapeType::heightmap || found) return found;
-  // Ground is full below: where the middle of the other is in it, that is buried.
+  // A heightmap is solid below its surface: a shape whose centre is inside overlaps it.
   return inside_shape(*surface.model, *surface.shape, surface.X_WS.inverse() * middle, 0.0);
 }
 

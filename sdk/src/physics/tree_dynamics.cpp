@@ -9,7 +9,7 @@
 namespace cogrsim {
 namespace {
 
-/// A placed state of a model and what follows from it.
+/// Recursive Newton-Euler over the joint trees, at one state.
 class Trees {
  public:
   Trees(const SceneModel& model, const WorldState& state)
@@ -19,7 +19,7 @@ class Trees {
 
   int size() const { return model_.joint_speeds + 6 * int(trees_.floating.size()); }
 
-  void stop() {
+  void zero_velocities() {
     std::fill(state_.joint_velocities.begin(), state_.joint_velocities.end(), 0.0);
     state_.twists.assign(state_.twists.size(), Twist());
   }
@@ -35,25 +35,25 @@ class Trees {
     }
     for (const TreeJoint& t : trees_.joints) add_rate(t, du, rates);
 
-    std::vector<Wrench> loads(model_.bodies.size());  // about the bodies' origins
-    for (std::size_t b = 0; b < loads.size(); ++b) {
+    std::vector<Wrench> wrenches(model_.bodies.size());  // about the bodies' origins
+    for (std::size_t b = 0; b < wrenches.size(); ++b) {
       const Body& body = model_.bodies[b];
       if (body.removed || body.kind != BodyKind::dynamic) continue;
       const Mat3 R = state_.poses[b].q.toRotationMatrix();
       const Mat3 I = R * body.inertia * R.transpose();
       const Vec3 r = R * body.com, &w = state_.twists[b].angular;
       const Vec3 a = rates[b].at(r) + w.cross(w.cross(r));
-      loads[b].force = body.mass * (a - body.gravity_scale * gravity);
-      loads[b].torque = I * rates[b].angular + w.cross(I * w) + r.cross(loads[b].force);
+      wrenches[b].force = body.mass * (a - body.gravity_scale * gravity);
+      wrenches[b].torque = I * rates[b].angular + w.cross(I * w) + r.cross(wrenches[b].force);
     }
 
     Eigen::VectorXd tau = Eigen::VectorXd::Zero(size());
     for (auto t = trees_.joints.rbegin(); t != trees_.joints.rend(); ++t)
-      take_effort(*t, du, loads, tau);
+      project_wrench(*t, du, wrenches, tau);
     at = model_.joint_speeds;
     for (const int b : trees_.floating) {
-      tau.segment<3>(at) = loads[std::size_t(b)].force;
-      tau.segment<3>(at + 3) = loads[std::size_t(b)].torque;
+      tau.segment<3>(at) = wrenches[std::size_t(b)].force;
+      tau.segment<3>(at + 3) = wrenches[std::size_t(b)].torque;
       at += 6;
     }
     return tau;
@@ -63,7 +63,7 @@ class Trees {
   struct Ends {
     const Joint& joint;
     int inboard, outboard;
-    double sign;  ///< of the outboard body's motion in that of M relative to F
+    double sign;  ///< +1: the outboard body is the child; -1: the parent
     Quat R;       ///< orientation of F
     Vec3 M;       ///< origin of M, world
     const double* q;
@@ -81,7 +81,7 @@ class Trees {
   Pose pose(int b) const { return b == kWorld ? Pose() : state_.poses[std::size_t(b)]; }
   Twist twist(int b) const { return b == kWorld ? Twist() : state_.twists[std::size_t(b)]; }
 
-  /// Of the outboard body from that of the inboard one:
+  /// Acceleration of the outboard body from that of the inboard body:
   ///   a_C(M) = a_P(M) + 2 w_P x v + a,  alpha_C = alpha_P + w_P x w + alpha
   /// with v, w, a, alpha of M relative to F, and a_B(M) the acceleration of the point of B at M.
   void add_rate(const TreeJoint& t, const Eigen::VectorXd& du, std::vector<Twist>& rates) const {
@@ -105,10 +105,10 @@ class Trees {
     to.linear = at_M - centripetal(e.outboard) - to.angular.cross(e.M - pose(e.outboard).p);
   }
 
-  void take_effort(const TreeJoint& t, const Eigen::VectorXd& du, std::vector<Wrench>& loads,
-                   Eigen::VectorXd& tau) const {
+  void project_wrench(const TreeJoint& t, const Eigen::VectorXd& du, std::vector<Wrench>& wrenches,
+                      Eigen::VectorXd& tau) const {
     const Ends e = ends(t);
-    const Wrench& load = loads[std::size_t(e.outboard)];
+    const Wrench& load = wrenches[std::size_t(e.outboard)];
     const Vec3 p = pose(e.outboard).p;
     const Vec3 force = e.R.conjugate() * load.force;
     const Vec3 torque = e.R.conjugate() * (load.torque + (p - e.M).cross(load.force));
@@ -123,7 +123,7 @@ class Trees {
       if (axis < e.joint.axes.size()) tau[at] += e.joint.axes[axis].rotor_inertia * du[at];
     }
     if (e.inboard == kWorld) return;
-    Wrench& inboard = loads[std::size_t(e.inboard)];
+    Wrench& inboard = wrenches[std::size_t(e.inboard)];
     inboard.force += load.force;
     inboard.torque += load.torque + (p - pose(e.inboard).p).cross(load.force);
   }
@@ -144,7 +144,7 @@ Eigen::VectorXd inverse_dynamics(const SceneModel& model, const WorldState& stat
 
 Eigen::MatrixXd mass_matrix(const SceneModel& model, const WorldState& state) {
   Trees trees(model, state);
-  trees.stop();
+  trees.zero_velocities();
   Eigen::MatrixXd out(trees.size(), trees.size());
   for (int k = 0; k < trees.size(); ++k)
     out.col(k) = trees.efforts(Vec3::Zero(), Eigen::VectorXd::Unit(trees.size(), k));

@@ -258,7 +258,7 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
 Result<std::vector<std::string>> host_command(const std::string& name) {
   const Sources::One one = source_of(name);
   if (one.host) return one.host(name);
-  return fail("plugin '" + name + "' is no library, and cannot run in a process of its own", "",
+  return fail("plugin '" + name + "' is not a library, and cannot run in a process of its own", "",
               "leave isolation=\"process\" out");
 }
 
@@ -273,7 +273,7 @@ void set_plugin_source(const std::string& prefix, PluginSource source, PluginHos
 
 Result<PluginPtr> PluginLoader::load_fresh_copy(const Plugin& plugin) {
   if (plugin.path().empty()) {
-    return fail(fmt::format("plugin '{}' is no library", plugin.descriptor().name), "",
+    return fail(fmt::format("plugin '{}' is not a library", plugin.descriptor().name), "",
                 "restart the run instead", "CG0902");
   }
   const auto copy = private_copy(plugin.path());
@@ -298,7 +298,7 @@ void PluginLoader::replace(PluginPtr fresh) {
 
 Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
   if (!is_plain_name(name)) {
-    return fail(fmt::format("'{}' is no plugin name", name), "",
+    return fail(fmt::format("'{}' is not a plugin name", name), "",
                 "a scene names a plugin, never a path; folders are given by --plugin-path or "
                 "COGRSIM_PLUGIN_PATH",
                 "CG0901");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/roll_pitch_yaw.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "core/index.h"
 #include "geometry/surface_distance.h"
@@ -33,14 +34,6 @@ Twist twist_of(const SignalPose& pose, const Frame& frame) {
   const Twist& body = frame.state.twists[at(pose.body)];
   const Vec3 arm = frame.state.poses[at(pose.body)].q * pose.X_BF.p;
   return {body.at(arm), body.angular};
-}
-
-/// Angles of R = Rz(yaw) Ry(pitch) Rx(roll); pitch within [-pi/2, pi/2], the others within
-/// (-pi, pi]. At pitch = +-pi/2 roll and yaw are not unique, only their sum or difference is.
-Vec3 roll_pitch_yaw(const Quat& q) {
-  const Mat3 R = q.toRotationMatrix();
-  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
-          std::atan2(R(1, 0), R(0, 0))};
 }
 
 struct TimeTerm final : Signal::Node {

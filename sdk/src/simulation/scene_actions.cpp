@@ -190,7 +190,7 @@ Result<> SceneActions::apply(const Spawn& action) {
 
   const geometry::Clearance around(model(), host_.state().poses);
   Pose pose = action.pose;
-  if (action.places.empty()) {
+  if (action.candidate_poses.empty()) {
     const std::string in_the_way = around.in_the_way(fragment, pose, action.clearance);
     if (!in_the_way.empty()) {
       return fail("cannot add '" + name + "': '" + in_the_way + "' is in the way");
@@ -198,9 +198,9 @@ Result<> SceneActions::apply(const Spawn& action) {
   } else {
     std::vector<std::size_t> free;
     std::string in_the_way;
-    for (std::size_t i = 0; i < action.places.size(); ++i) {
+    for (std::size_t i = 0; i < action.candidate_poses.size(); ++i) {
       const std::string obstacle =
-          around.in_the_way(fragment, action.places[i] * action.pose, action.clearance);
+          around.in_the_way(fragment, action.candidate_poses[i] * action.pose, action.clearance);
       if (obstacle.empty())
         free.push_back(i);
       else if (in_the_way.empty())
@@ -212,11 +212,11 @@ Result<> SceneActions::apply(const Spawn& action) {
     const double draw = random.uniform();
     events_.memory.random = random.state();
     if (free.empty()) {
-      return fail("cannot add '" + name + "': none of its " + std::to_string(action.places.size()) +
-                  " places is free; at the first '" + in_the_way + "' is in the way");
+      return fail("cannot add '" + name + "': none of its " + std::to_string(action.candidate_poses.size()) +
+                  " poses is free; at the first '" + in_the_way + "' is in the way");
     }
     const auto chosen = static_cast<std::size_t>(draw * static_cast<double>(free.size()));
-    pose = action.places[free[std::min(chosen, free.size() - 1)]] * action.pose;
+    pose = action.candidate_poses[free[std::min(chosen, free.size() - 1)]] * action.pose;
   }
   if (auto added = add({found->fragment, name, pose}, action.of); !added) return added;
   if (number > 0) events_.memory.numbers[action.of] = number;

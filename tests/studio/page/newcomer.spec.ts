@@ -94,7 +94,7 @@ test("from an empty scene to a run that agrees with the program", async ({ studi
   await hands.insert("box", "chassis");
   await hands.type("size", ["24", "14", "4"], "cm");
   await hands.type("xyz", ["-5", "0", "5"], "cm");
-  await hands.open_group("Matter");
+  await hands.open_group("Mass and material");
   await hands.type("friction", ["0"]);
   await stage(page, "box");
   await hands.insert("cylinder", "wheel_left");

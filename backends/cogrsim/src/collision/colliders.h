@@ -10,7 +10,7 @@
 #include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/geometry/manifold.h"
 #include "cogrsim/model/scene_model.h"
-#include "placement.h"
+#include "mechanism/placement.h"
 
 namespace cogrsim::dynamics {
 

@@ -13,7 +13,7 @@ class Detector {
  public:
   explicit Detector(const SceneModel& model);
 
-  /// Shapes as prepared; `body` -1 where a shape does not take part.
+  /// Shapes as prepared; `body` -1 where a shape does not collide.
   const std::vector<Collider>& colliders() const { return colliders_; }
 
   /// Moves a body's shapes. `margin`: speculative, how far its surface may move in the step [m].
@@ -21,7 +21,7 @@ class Detector {
   /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
   double bounding_radius(int body) const { return bounding_radii_[std::size_t(body)]; }
 
-  /// Half of the least extent of its shapes [m]; what moves farther may be beyond what it meets.
+  /// Half of the least extent of its shapes [m]; a body that moves farther in a step may tunnel.
   double thinness(int body) const { return thinness_[std::size_t(body)]; }
 
   /// All contact points with a gap below the sum of both margins, ordered by bodies and shapes. With

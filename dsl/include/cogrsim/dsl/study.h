@@ -24,7 +24,7 @@ namespace cogrsim::dsl {
 /// One value of a parameter that is varied.
 struct StudyValue {
   std::string text;     ///< as for CompileOptions::set_parameters: "3.5 cm"
-  double number = 0.0;  ///< in SI units; NaN where the text is no number
+  double number = 0.0;  ///< in SI units; NaN where the text is not a number
   std::string unit;     ///< SI, "m"; "" for plain numbers and other text
 };
 

@@ -18,10 +18,10 @@ namespace cogrsim {
 struct Spawn {
   std::string of;    ///< name of the template
   std::string name;  ///< dotted name of the new assembly; empty: the template's name and a number
-  Pose pose;         ///< of the assembly frame, in the world or in the pose drawn from `places`
+  Pose pose;         ///< of the assembly frame, in the world or in the pose drawn from `candidate_poses`
   /// Candidate poses in the world. If not empty, one of those with enough free space is drawn at
   /// random.
-  std::vector<Pose> places;
+  std::vector<Pose> candidate_poses;
   double clearance = 0.0;  ///< distance to all other bodies that a candidate needs [m], >= 0
   /// Time after which the assembly is removed again [s], > 0.
   double lifetime = std::numeric_limits<double>::infinity();

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Reader>> Reader::open(const std::string& path) {
   }
   struct stat about {};
   if (::fstat(file->descriptor, &about) != 0 || !S_ISREG(about.st_mode)) {
-    return fail(fmt::format("'{}' is no file", path));
+    return fail(fmt::format("'{}' is not a file", path));
   }
   file->size = static_cast<std::uint64_t>(about.st_size);
 

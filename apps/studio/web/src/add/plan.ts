@@ -167,7 +167,7 @@ export function possibleParents(schema: Schema, elements: readonly TreeElement[]
   return elements.filter((e) => kGroups.includes(e.tag) && schema.mayHold(elements, e.id, tag)).map((e) => e.id);
 }
 
-/** Names for a reference of an element that will stand in `parent`; undefined: it is no reference. */
+/** Names for a reference of an element that will stand in `parent`; undefined: it is not a reference. */
 export function nameChoices(
   schema: Schema,
   elements: readonly TreeElement[],

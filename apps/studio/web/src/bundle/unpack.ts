@@ -161,7 +161,7 @@ class BundleFrame implements Frame {
   }
 }
 
-/** Throws when it is no bundle, or one of another version. `address`: of a file that came along. */
+/** Throws when it is not a bundle, or one of another version. `address`: of a file that came along. */
 export function unpack(data: ArrayBuffer, address: (file: Blob) => string): MemoryRun {
   const length = new DataView(data).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length))) as Head;

@@ -21,7 +21,7 @@ export class TypingGroups {
   constructor(private readonly seed: string) {}
 
   /** The group of an edit. Another one begins after a pause, at another position, when typing turns into deleting or
-   *  the reverse, behind a line end, and with anything that is no typing: pasted text, several positions at once. */
+   *  the reverse, behind a line end, and with anything that is not typing: pasted text, several positions at once. */
   next(edits: readonly TypedEdit[]): string {
     const edit = edits[0];
     if (!edit) return this.name();

@@ -57,7 +57,7 @@ export function register(studio: Studio): void {
       if (!answer) return;
       const step = Number(answer.step) / 1000;
       if (step > 0 && step <= 1) await store.compare({ step });
-      else studio.notify(`'${answer.step}' is no time step: above 0 and not above 1000 ms`, "error");
+      else studio.notify(`'${answer.step}' is not a time step: above 0 and not above 1000 ms`, "error");
     },
   });
   commands.addCommand("compare:off", {

@@ -6,7 +6,7 @@ const kHead = 40;
 const kPictureHead = 20;
 const kKinds: Picture["kind"][] = ["color", "depth", "segmentation"];
 
-/** Poses lie in `data`, not in a copy. Throws when it is no frame. */
+/** Poses lie in `data`, not in a copy. Throws when it is not a frame. */
 export function decodeFrame(data: ArrayBuffer): Frame {
   const view = new DataView(data);
   if (data.byteLength < kHead || view.getUint8(0) !== 1) throw new Error("not a frame");
@@ -37,7 +37,7 @@ function floats(data: ArrayBuffer, offset: number, count: number): Float32Array 
   return Float32Array.from({ length: count }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-/** Throws when it is no picture. */
+/** Throws when it is not a picture. */
 export function decodePicture(data: ArrayBuffer): Picture {
   const view = new DataView(data);
   const kind = data.byteLength < kPictureHead || view.getUint8(0) !== 2 ? undefined : kKinds[view.getUint8(1)];

@@ -169,7 +169,7 @@ export class MemoryLink extends LinkListeners implements Link {
     return {};
   }
 
-  /** The newest of each camera that is no later than `time` [s]. */
+  /** The newest of each camera not later than `time` [s]. */
   private publishPictures(time: number): void {
     const { pictures = [] } = this.run;
     for (const [name, last] of this.cameras) {

@@ -20,7 +20,7 @@ interface FormGroup {
 const kGroups: [string, string[]][] = [
   ["Pose", ["xyz", "rpy", "quat", "frame", "at", "on", "direction", "look-at"]],
   [
-    "Matter",
+    "Mass and material",
     [
       "material",
       "mass",

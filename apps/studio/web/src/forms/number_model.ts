@@ -46,7 +46,7 @@ function entryText(entry: Entry | undefined, withUnit: boolean): string {
   return withUnit && entry.unit !== "" && entry.text !== "none" ? `${entry.text} ${entry.unit}` : entry.text;
 }
 
-/** null: the text is no list of numbers that boxes could hold (an expression, a long list). */
+/** null: the text is not a list of numbers that boxes could hold (an expression, a long list). */
 export function boxesOf(spec: AttributeSchema, text: string): Boxes | null {
   if (spec.maxCount > kMostBoxes || isExpression(text)) return null;
   const parts = text === "" ? null : partsOf(spec, text);
@@ -102,7 +102,7 @@ export function textFrom(spec: AttributeSchema, boxes: readonly string[], unit: 
       continue;
     }
     const parsed = parseNumbers(typed[i]!);
-    if (!parsed || parsed.entries.length !== 1) return { error: `'${typed[i]}' is no number`, box: i };
+    if (!parsed || parsed.entries.length !== 1) return { error: `'${typed[i]}' is not a number`, box: i };
     let entry = parsed.entries[0]!;
     if (entry.text === "none") entry = { text: "none", unit: "" };
     else if (entry.unit === "" && unit) entry = { text: entry.text, unit };

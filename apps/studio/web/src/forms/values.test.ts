@@ -112,7 +112,7 @@ test("what stands in boxes becomes the shortest text", () => {
 });
 
 test("the error of a box is reported with its number", () => {
-  assert.deepEqual(textFrom(size, ["1", "x", "1"], "m"), { error: "'x' is no number", box: 1 });
+  assert.deepEqual(textFrom(size, ["1", "x", "1"], "m"), { error: "'x' is not a number", box: 1 });
   const low = textFrom(size, ["1", "1", "-3"], "cm");
   assert.ok("error" in low && low.box === 2 && /above 0 m/.test(low.error));
 });

@@ -7,7 +7,7 @@ export interface Entry {
   unit: string;
 }
 
-/** An attribute's text, parsed. `plain` is null when it is no list of numbers: an expression, a text. */
+/** An attribute's text, parsed. `plain` is null when it is not a list of numbers: an expression, a text. */
 export interface ValueParts {
   entries: Entry[];
   /** the unit of all, null if entries have units of their own */
@@ -152,7 +152,7 @@ interface Bounds {
 /** The error of one entry; "" if none is known here. */
 export function checkEntry(entry: Entry, dimension: string, bounds: Bounds): string {
   if (entry.text === "none") return bounds.noneAllowed ? "" : "none is not allowed here";
-  if (!kNumber.test(entry.text) || !isFinite(Number(entry.text))) return `'${entry.text}' is no number`;
+  if (!kNumber.test(entry.text) || !isFinite(Number(entry.text))) return `'${entry.text}' is not a number`;
   if (dimension === "rad" && entry.unit === "" && Number(entry.text) !== 0)
     return "an angle needs its unit: deg or rad";
   const factor = factorOf(dimension, entry.unit);

@@ -12,7 +12,7 @@ import { elementKeys, labelOf, topMost } from "./model";
 import { pastePosition } from "./rules";
 import { startRenaming, TreeState } from "./tree_state";
 
-/** What can be glued into one body. */
+/** Element types that can be combined into one rigid body. */
 const kParts = [...kBodies, "assembly", "instance"];
 
 function chosen(studio: Studio): number[] {

@@ -3,13 +3,12 @@
 
 #include <vector>
 
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 namespace cogrsim::dynamics {
 
-/// Changes the speeds of the mechanism's state such that `joints` (of any
-/// model with the same bodies; the mechanism need not have them) do not forbid them and `stopped`
-/// bodies rest: by the impulses of a perfectly inelastic impact,
+/// Changes the speeds of the mechanism's state to satisfy `joints` (of any model with the same
+/// bodies; the mechanism need not have them) and to stop the bodies `stopped`: by the impulses of a perfectly inelastic impact,
 ///   u += M^-1 J^T l,  (J M^-1 J^T) l = -J u,
 /// which act through all joints and conserve the momentum of free mechanisms. Where conditions are
 /// redundant, the smallest impulses are taken.

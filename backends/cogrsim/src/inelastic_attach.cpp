@@ -1,10 +1,10 @@
-#include "joining.h"
+#include "inelastic_attach.h"
 
 #include <Eigen/Eigenvalues>
 #include <map>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "loops.h"
+#include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
 namespace {

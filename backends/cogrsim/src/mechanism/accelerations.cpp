@@ -1,6 +1,6 @@
-#include "accelerations.h"
+#include "mechanism/accelerations.h"
 
-#include "loops.h"
+#include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
 

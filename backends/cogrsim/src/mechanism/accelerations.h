@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "drives.h"
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 namespace cogrsim::dynamics {
 
@@ -29,7 +29,7 @@ class Accelerations {
   void close(const Middle* middle, Values& udot);
 
   Mechanism& mechanism_;
-  Values efforts_;             ///< along each speed
+  Values efforts_;  ///< along each speed
   std::vector<double> local_, wanted_, start_;
 };
 

@@ -1,4 +1,4 @@
-// Frames of the world's parts.
+// Conversion of a placement to a pose.
 #pragma once
 
 #include "cogrsim/geometry/placement.h"

@@ -1,4 +1,4 @@
-#include "reactions.h"
+#include "mechanism/reactions.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -67,15 +67,15 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;
     const Vec3 force = f.segment<3>(Eigen::Index(6 * w + 3)) * record.dt;
-    const Vec3 at = m.motion(m.links()[std::size_t(c.welds[w].ghost)]).X.p;
+    const Vec3 at = m.motion(m.links()[std::size_t(c.welds[w].shadow)]).X.p;
     const Vec3 moment = torque + at.cross(force);
-    Momenta& ghost = own[std::size_t(c.welds[w].ghost)];
-    ghost.linear -= force;
-    ghost.angular -= moment;
-    if (c.welds[w].master < 0) continue;
-    Momenta& master = own[std::size_t(c.welds[w].master)];
-    master.linear += force;
-    master.angular += moment;
+    Momenta& shadow = own[std::size_t(c.welds[w].shadow)];
+    shadow.linear -= force;
+    shadow.angular -= moment;
+    if (c.welds[w].primary < 0) continue;
+    Momenta& primary = own[std::size_t(c.welds[w].primary)];
+    primary.linear += force;
+    primary.angular += moment;
   }
 }
 

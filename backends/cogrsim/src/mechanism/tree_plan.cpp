@@ -1,4 +1,4 @@
-#include "tree_plan.h"
+#include "mechanism/tree_plan.h"
 
 #include <deque>
 
@@ -47,7 +47,7 @@ class Planner {
   void add(const PlannedLink& link) {
     const int index = int(plan_.links.size());
     plan_.links.push_back(link);
-    if (!link.ghost) {
+    if (!link.shadow) {
       plan_.body_link[std::size_t(link.body)] = index;
       frontier_.push_back(link.body);
     }

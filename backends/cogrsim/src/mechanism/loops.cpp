@@ -1,11 +1,11 @@
-#include "loops.h"
+#include "mechanism/loops.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "mechanism.h"
-#include "products.h"
+#include "mechanism/mechanism.h"
+#include "solver/products.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -15,12 +15,12 @@ namespace {
 constexpr double kDependent = 1e-9;
 
 struct Ends {
-  const LinkMotion& ghost;
-  const LinkMotion& master;
+  const LinkMotion& shadow;
+  const LinkMotion& primary;
 };
 Ends ends_of(const Mechanism& mechanism, const Weld& weld) {
-  return {mechanism.motions()[std::size_t(weld.ghost)],
-          mechanism.motions()[std::size_t(weld.master)]};
+  return {mechanism.motions()[std::size_t(weld.shadow)],
+          mechanism.motions()[std::size_t(weld.primary)]};
 }
 
 void write_spatial(const Vec3& angular, const Vec3& linear, double* e) {
@@ -45,19 +45,19 @@ using RowScale = std::array<double, 2>;
 Matrix6 fill_weld_rows(const Mechanism& mechanism, Component& c, std::size_t w) {
   Loops& loops = c.loops;
   const Weld& weld = c.welds[w];
-  const Vec3 r = ends_of(mechanism, weld).ghost.X.p - c.origin;
+  const Vec3 r = ends_of(mechanism, weld).shadow.X.p - c.origin;
   Matrix6 A;
   for (int axis = 0; axis < 6; ++axis) {
     const Vec3 d = Vec3::Unit(axis % 3);
     const Spatial wrench = axis < 3 ? Spatial{d, Vec3::Zero()} : Spatial{r.cross(d), d};
     double* const g = loops.G.row(Eigen::Index(6 * w) + axis).data();
     double* const response = loops.W.row(Eigen::Index(6 * w) + axis).data();
-    fill_row(c, weld.ghost_at, wrench, 1.0, g);
-    fill_row(c, weld.master_at, wrench, -1.0, g);
+    fill_row(c, weld.shadow_at, wrench, 1.0, g);
+    fill_row(c, weld.primary_at, wrench, -1.0, g);
     std::copy(g + weld.first, g + weld.end, response + weld.first);
-    solve_mass(c, response, weld.ghost_at);
-    if (c.tree[std::size_t(weld.ghost_at)] != c.tree[std::size_t(weld.master_at)])
-      solve_mass(c, response, weld.master_at);
+    solve_mass(c, response, weld.shadow_at);
+    if (c.tree[std::size_t(weld.shadow_at)] != c.tree[std::size_t(weld.primary_at)])
+      solve_mass(c, response, weld.primary_at);
     for (int k = 0; k <= axis; ++k)
       A(axis, k) = A(k, axis) = product(loops.G.row(Eigen::Index(6 * w) + k).data() + weld.first,
                                         response + weld.first, weld.end - weld.first);
@@ -193,13 +193,13 @@ double find_loop_gaps(const Mechanism& mechanism, const Component& c, double* e)
   double most = 0.0;
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Ends ends = ends_of(mechanism, c.welds[w]);
-    const Eigen::AngleAxisd turn(ends.ghost.X.R * ends.master.X.R.transpose());
+    const Eigen::AngleAxisd turn(ends.shadow.X.R * ends.primary.X.R.transpose());
     // Of a small angle only the skew part keeps its digits.
-    const Mat3 R = ends.ghost.X.R * ends.master.X.R.transpose();
+    const Mat3 R = ends.shadow.X.R * ends.primary.X.R.transpose();
     const Vec3 skew(0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)),
                     0.5 * (R(1, 0) - R(0, 1)));
     const Vec3 angular = skew.norm() < 1e-3 ? skew : Vec3(turn.angle() * turn.axis());
-    const Vec3 shift = ends.ghost.X.p - ends.master.X.p;
+    const Vec3 shift = ends.shadow.X.p - ends.primary.X.p;
     write_spatial(angular, shift, e + 6 * w);
     most = std::max({most, angular.cwiseAbs().maxCoeff(), shift.cwiseAbs().maxCoeff()});
   }
@@ -209,8 +209,8 @@ double find_loop_gaps(const Mechanism& mechanism, const Component& c, double* e)
 void find_loop_speeds(const Mechanism& mechanism, const Component& c, double* e) {
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Ends ends = ends_of(mechanism, c.welds[w]);
-    write_spatial(ends.ghost.angular - ends.master.angular,
-                  ends.ghost.linear - ends.master.velocity_at(ends.ghost.X.p), e + 6 * w);
+    write_spatial(ends.shadow.angular - ends.primary.angular,
+                  ends.shadow.linear - ends.primary.velocity_at(ends.shadow.X.p), e + 6 * w);
   }
 }
 
@@ -218,15 +218,15 @@ void find_loop_bias(const Mechanism& mechanism, const Component& c, double* b) {
   for (std::size_t w = 0; w < c.welds.size(); ++w) {
     const Weld& weld = c.welds[w];
     const Ends ends = ends_of(mechanism, weld);
-    const Vec3 at = ends.ghost.X.p;
+    const Vec3 at = ends.shadow.X.p;
     const auto acceleration = [&](int position, const LinkMotion& motion) -> Vec3 {
       const Spatial& a = c.bias[std::size_t(position)];
       return a.linear + a.angular.cross(at - c.origin) +
              motion.angular.cross(motion.velocity_at(at));
     };
     write_spatial(
-        c.bias[std::size_t(weld.ghost_at)].angular - c.bias[std::size_t(weld.master_at)].angular,
-        acceleration(weld.ghost_at, ends.ghost) - acceleration(weld.master_at, ends.master),
+        c.bias[std::size_t(weld.shadow_at)].angular - c.bias[std::size_t(weld.primary_at)].angular,
+        acceleration(weld.shadow_at, ends.shadow) - acceleration(weld.primary_at, ends.primary),
         b + 6 * w);
   }
 }

@@ -6,19 +6,19 @@
 #include <cstdint>
 #include <vector>
 
-#include "spatial.h"
+#include "mechanism/spatial.h"
 
 namespace cogrsim::dynamics {
 
 class Mechanism;
 struct Link;
 
-/// A ghost link and the link it is welded to.
+/// The shadow of a split body (its copy, as Simbody calls it) and the link of the body itself, which it is welded to.
 struct Weld {
-  int ghost = -1;
-  int master = -1;
-  int ghost_at = -1, master_at = -1;  ///< positions in Component::links
-  int first = 0, end = 0;             ///< local degrees of freedom of their trees lie between
+  int shadow = -1;
+  int primary = -1;
+  int shadow_at = -1, primary_at = -1;  ///< positions in Component::links
+  int first = 0, end = 0;               ///< local degrees of freedom of their trees lie between
 };
 
 /// What the welds of a component forbid at one configuration, see loops.h.
@@ -45,13 +45,13 @@ struct Component {
   struct Range {
     int first = 0, end = 0;
   };
-  std::vector<Range> trees;   ///< degrees of freedom of each; one, unless there are welds
-  std::vector<int> tree;      ///< of each of `links`
-  std::vector<Weld> welds;    ///< with some, `links` go tree by tree
+  std::vector<Range> trees;    ///< degrees of freedom of each; one, unless there are welds
+  std::vector<int> tree;       ///< of each of `links`
+  std::vector<Weld> welds;     ///< with some, `links` go tree by tree
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
-  bool is_free_body = false;  ///< one free body: closed forms hold
-  bool recursive = false;     ///< has a tree for which the recursion beats the dense factor
-  int offset = 0;             ///< of its degrees of freedom in arrays over all components
+  bool is_free_body = false;   ///< one free body: closed forms hold
+  bool recursive = false;      ///< has a tree for which the recursion beats the dense factor
+  int offset = 0;              ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
   /// One beyond the last local degree of freedom of a link at a position in `links`.
   int end_of(std::size_t at) const { return at + 1 < first.size() ? first[at + 1] : size(); }

@@ -14,8 +14,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "islands.h"
-#include "products.h"
+#include "solver/islands.h"
+#include "solver/products.h"
 
 namespace cogrsim::dynamics {
 namespace {

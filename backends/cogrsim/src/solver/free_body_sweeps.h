@@ -1,9 +1,9 @@
-// Sweeps over the groups of a heap. heap.cpp includes this once for each set of instructions; no
-// figure depends on which is used.
+// Sweeps over the groups of free bodies. free_body_island.cpp includes this once for each set of instructions; no
+// result depends on which is used.
 
 // J v of the first `rows` rows; the others have no entries.
 template <int rows>
-inline Four dots(const HeapGroup& g, const HeapBody* v) {
+inline Four dots(const FreeIslandGroup& g, const FreeIslandBody* v) {
   const Four a = v[g.a].first, b = v[g.b].first;
   const Two la = v[g.a].last, lb = v[g.b].last;
   const Four last = {la[0], la[1], lb[0], lb[1]};
@@ -20,7 +20,7 @@ inline Four dots(const HeapGroup& g, const HeapBody* v) {
 
 // v += W d, likewise.
 template <int rows>
-inline void apply(const HeapGroup& g, const Four& d, HeapBody* v) {
+inline void apply(const FreeIslandGroup& g, const Four& d, FreeIslandBody* v) {
   Four first = g.rows[0].a * d[0], second = g.rows[0].b * d[0], last = g.rows[0].last * d[0];
   if constexpr (rows > 1) {
     first += g.rows[1].a * d[1];
@@ -36,7 +36,7 @@ inline void apply(const HeapGroup& g, const Four& d, HeapBody* v) {
     second += b;
     last += l;
   }
-  HeapBody &a = v[g.a], &b = v[g.b];
+  FreeIslandBody &a = v[g.a], &b = v[g.b];
   a.first += first;
   b.first += second;
   a.last += Two{last[0], last[1]};
@@ -56,7 +56,7 @@ inline void bound_to(double bound, double& x, double& y) {
   y *= scale;
 }
 
-inline Four relax_normals(const HeapGroup& g, Four r) {
+inline Four relax_normals(const FreeIslandGroup& g, Four r) {
   Four d = {};
   for (int i = 0; i < 4; ++i) {
     d[i] = larger(g.lambda[i] - r[i] * g.inverse[i], 0.0) - g.lambda[i];
@@ -65,8 +65,8 @@ inline Four relax_normals(const HeapGroup& g, Four r) {
   return d;
 }
 
-inline Four relax_normal_block(const HeapGroup& g, const Heap::NormalBlock& block, Four r,
-                               Four& change) {
+inline Four relax_normal_block(const FreeIslandGroup& g, const FreeBodyIsland::NormalBlock& block,
+                               Four r, Four& change) {
   const Four before = g.lambda;
   r -= block.mean_compliance * ((before[0] + before[1]) + (before[2] + before[3]));
   Four wanted = before - ((block.A_inverse[0] * r[0] + block.A_inverse[1] * r[1]) +
@@ -90,7 +90,7 @@ inline Four relax_normal_block(const HeapGroup& g, const Heap::NormalBlock& bloc
   return d;
 }
 
-inline Four relax_point(const HeapGroup& g, Four r) {
+inline Four relax_point(const FreeIslandGroup& g, Four r) {
   Four d = {};
   const double load = larger(g.lambda[0] - r[0] * g.inverse[0], 0.0);
   d[0] = load - g.lambda[0];
@@ -102,7 +102,7 @@ inline Four relax_point(const HeapGroup& g, Four r) {
   return d;
 }
 
-inline Four relax_tangents(const HeapGroup& g, double load1, double load2, Four r) {
+inline Four relax_tangents(const FreeIslandGroup& g, double load1, double load2, Four r) {
   double x = g.lambda[0] - r[0] * g.inverse[0], y = g.lambda[1] - r[1] * g.inverse[1];
   bound_to(g.friction[0] * load1, x, y);
   const double dx = x - g.lambda[0], dy = y - g.lambda[1];
@@ -115,8 +115,8 @@ inline Four relax_tangents(const HeapGroup& g, double load1, double load2, Four 
 }
 
 /// Over all groups once, there or back; returns the largest change of a velocity.
-double sweep(HeapGroup* groups, std::size_t count, const Heap::NormalBlock* normal_blocks,
-             bool backwards, HeapBody* v) {
+double sweep(FreeIslandGroup* groups, std::size_t count,
+             const FreeBodyIsland::NormalBlock* normal_blocks, bool backwards, FreeIslandBody* v) {
   Four most = {};
   // The groups of a pair are relaxed in their order on the way back, too: friction last.
   std::size_t end = count;
@@ -124,24 +124,24 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::NormalBlock* norm
     std::size_t first = i, last = i + 1;
     if (backwards) {
       first = end - 1;
-      if (groups[first].kind == HeapGroup::Kind::tangents)
+      if (groups[first].kind == FreeIslandGroup::Kind::tangents)
         first = std::size_t(groups[first].normals);
       last = end;
     }
     for (std::size_t k = first; k < last; ++k) {
-      HeapGroup& g = groups[k];
+      FreeIslandGroup& g = groups[k];
       const bool three = g.count <= 3;
       const Four r = g.bias + g.gamma * g.lambda + (three ? dots<3>(g, v) : dots<4>(g, v));
       Four d, change;
       switch (g.kind) {
-        case HeapGroup::Kind::normal_block:
+        case FreeIslandGroup::Kind::normal_block:
           d = relax_normal_block(g, normal_blocks[g.normal_block], r, change);
           break;
-        case HeapGroup::Kind::point:
+        case FreeIslandGroup::Kind::point:
           d = relax_point(g, r);
           change = size_of(d) * g.diagonal;
           break;
-        case HeapGroup::Kind::tangents:
+        case FreeIslandGroup::Kind::tangents:
           d = relax_tangents(g, groups[g.normals].lambda[g.point],
                              groups[g.normals].lambda[g.point + 1], r);
           change = size_of(d) * g.diagonal;
@@ -161,7 +161,8 @@ double sweep(HeapGroup* groups, std::size_t count, const Heap::NormalBlock* norm
 }
 
 template <int rows>
-inline Four relax_gaps(const HeapGroup& g, HeapGaps& gap, bool held, HeapBody* p) {
+inline Four relax_gaps(const FreeIslandGroup& g, FreeIslandGaps& gap, bool held,
+                       FreeIslandBody* p) {
   Four weight = gap.weight, r = gap.error - dots<rows>(g, p);
   if (held)
     weight = gap.hold;
@@ -179,14 +180,14 @@ inline Four relax_gaps(const HeapGroup& g, HeapGaps& gap, bool held, HeapBody* p
 }
 
 /// The same of the position stage; `held`: over what is held only.
-double position_sweep(const HeapGroup* groups, HeapGaps* gaps, std::size_t count, bool backwards,
-                      bool held, HeapBody* p) {
+double position_sweep(const FreeIslandGroup* groups, FreeIslandGaps* gaps, std::size_t count,
+                      bool backwards, bool held, FreeIslandBody* p) {
   Four most = {};
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = backwards ? count - 1 - i : i;
-    HeapGaps& gap = gaps[k];
+    FreeIslandGaps& gap = gaps[k];
     if (held ? !gap.held : gap.rows == 0) continue;
-    const HeapGroup& g = groups[k];
+    const FreeIslandGroup& g = groups[k];
     const Four d = gap.rows == 1   ? relax_gaps<1>(g, gap, held, p)
                    : gap.rows <= 3 ? relax_gaps<3>(g, gap, held, p)
                                    : relax_gaps<4>(g, gap, held, p);

@@ -17,7 +17,7 @@ struct PlannedLink {
   bool reversed = false;  ///< the inboard body is the joint's child
   /// Where a loop is cut, one of the two bodies is split: this link stands for it at the joint, has
   /// its share of mass and inertia, and is welded to the body's own link.
-  bool ghost = false;
+  bool shadow = false;
   double share = 1.0;  ///< of the body's mass and inertia
 };
 

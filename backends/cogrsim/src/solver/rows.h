@@ -6,7 +6,7 @@
 
 #include "cogrsim/geometry/manifold.h"
 #include "drives.h"
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 namespace cogrsim::dynamics {
 
@@ -37,9 +37,10 @@ struct Row {
 
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
-  bool equality = false;   ///< the gap is brought to `gap_target` from either side, within the bounds
+  bool equality =
+      false;  ///< the gap is brought to `gap_target` from either side, within the bounds
   bool bilateral = false;  ///< with l > 0 the gap is brought to `gap_target` from above, too
-  bool hits = false;       ///< an impulse of it is an impact's
+  bool hits = false;       ///< its impulse is that of an impact
   bool deep = false;       ///< joints hold the bodies, which overlap
   double gap = 0.0;
   double gap_target = 0.0;

@@ -1,17 +1,17 @@
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "loops.h"
+#include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
 namespace {
 
 constexpr double kClosed = 1e-13;      // [m], [rad]: what project() brings closed loops to, and
-constexpr int kMostProjections = 100;  // gives up after;
+constexpr int kMostProjections = 100;  // largest number of projections;
 constexpr double kLeastShare = 1e-2;   // steps no shorter than this share of one of them;
 constexpr double kCannotClose = 1e-6;  // what of a gap is then an error.
 
@@ -82,7 +82,7 @@ void Mechanism::make_components() {
     root[i] = inside ? find(parent) : int(i);
   }
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (!links_[i].plan.ghost) continue;
+    if (!links_[i].plan.shadow) continue;
     has_loops_ = true;
     const int a = find(int(i)), b = find(body_link(links_[i].plan.body));
     root[std::size_t(std::max(a, b))] = std::min(a, b);
@@ -146,14 +146,14 @@ void Mechanism::arrange(Component& c) const {
     c.recursive = c.recursive || tree.end - tree.first > kLargestDense;
   for (int i : c.links) {
     const PlannedLink& plan = links_[std::size_t(i)].plan;
-    if (!plan.ghost) continue;
+    if (!plan.shadow) continue;
     Weld weld;
-    weld.ghost = i;
-    weld.master = body_link(plan.body);
-    weld.ghost_at = c.find(weld.ghost);
-    weld.master_at = c.find(weld.master);
-    const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.ghost_at)])];
-    const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.master_at)])];
+    weld.shadow = i;
+    weld.primary = body_link(plan.body);
+    weld.shadow_at = c.find(weld.shadow);
+    weld.primary_at = c.find(weld.primary);
+    const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.shadow_at)])];
+    const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.primary_at)])];
     weld.first = std::min(a.first, b.first);
     weld.end = std::max(a.end, b.end);
     c.welds.push_back(weld);

@@ -1,13 +1,13 @@
-#include "components.h"
+#include "mechanism/components.h"
 
 #include <Eigen/Cholesky>
 #include <array>
 #include <cassert>
 #include <cmath>
 
-#include "loops.h"
-#include "mechanism.h"
-#include "products.h"
+#include "mechanism/loops.h"
+#include "mechanism/mechanism.h"
+#include "solver/products.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -149,8 +149,7 @@ void update_component(const Mechanism& mechanism, Component& c) {
       }
     }
   }
-  for (std::size_t k = 0; k < c.rotors.size(); ++k)
-    c.factor[k * std::size_t(n) + k] += c.rotors[k];
+  for (std::size_t k = 0; k < c.rotors.size(); ++k) c.factor[k * std::size_t(n) + k] += c.rotors[k];
   for (const Component::Range& tree : c.trees) factorize(c.factor, n, tree);
   if (!c.welds.empty()) update_loops(mechanism, c);
 }

@@ -1,11 +1,11 @@
-#include "islands.h"
+#include "solver/islands.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
-#include "products.h"
+#include "solver/products.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -277,15 +277,15 @@ double Island::relax_two_normals(const NormalBlock& block) {
 }
 
 void Island::prepare() {
-  is_heap_ =
+  is_free_body_island_ =
       rows.size() > kSmall && contacts == 0 &&
       std::all_of(rows.begin(), rows.end(), [](const IslandRow& row) { return row.free_bodies; }) &&
       std::all_of(blocks.begin(), blocks.end(), [](const RowBlock& block) {
         return block.friction_kind == FrictionKind::point && block.rolling <= 0.0 &&
                block.spinning <= 0.0;
       });
-  if (is_heap_)
-    heap_.fill(rows, blocks, pairs, components);
+  if (is_free_body_island_)
+    free_body_island_.fill(rows, blocks, pairs, components);
   else
     make_normal_blocks();
 }
@@ -342,7 +342,7 @@ double Island::sweep(bool backwards) {
 }
 
 int Island::solve_velocities(const SolverOptions& options) {
-  if (is_heap_) return heap_.solve_velocities(options, rows, v);
+  if (is_free_body_island_) return free_body_island_.solve_velocities(options, rows, v);
   const bool alone = std::all_of(rows.begin(), rows.end(), [this](const IslandRow& row) {
     return row.size[1] == 0 && row.at[0] == 0 && std::size_t(row.size[0]) == v.size();
   });
@@ -373,7 +373,7 @@ bool Island::is_worse_than_none() const {
   return twice > 0.0;
 }
 
-// Loads and friction by turns, each with the other as it is, so that D falls in either: a friction whose
+// Solves normal loads and friction alternately, each with the other fixed, so that D falls in both: a friction whose
 // bound follows the load can drive both on, where joints hold links inside each other. In the manner of
 // Kaufman et al., Staggered projections for frictional contact in multibody systems, 2008; one turn only.
 template <class Rows>
@@ -494,7 +494,7 @@ void Island::hold_sticking(double h) {
 }
 
 void Island::solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows) {
-  if (is_heap_) return heap_.solve_positions(options, h, rows, set_rows, p);
+  if (is_free_body_island_) return free_body_island_.solve_positions(options, h, rows, set_rows, p);
   if (!measure_gaps(h, set_rows)) return;
   const std::size_t normals = gaps_.size();
   hold_sticking(h);

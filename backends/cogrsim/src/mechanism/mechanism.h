@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "components.h"
-#include "kinematics.h"
+#include "mechanism/components.h"
+#include "mechanism/kinematics.h"
+#include "mechanism/tree_plan.h"
 #include "state.h"
-#include "tree_plan.h"
 
 namespace cogrsim::dynamics {
 
@@ -49,9 +49,9 @@ class Mechanism {
 
   State state;
 
-  /// Sets the forces from outside on each body (nbody), or none at all, beside the weights.
+  /// Sets the external forces on each body (nbody), or none at all, beside the weights.
   void set_external(const std::vector<Wrench>& forces);
-  /// Weight and forces from outside of each link, through its centre of mass (nlink).
+  /// Weight and external forces of each link, through its centre of mass (nlink).
   const std::vector<Wrench>& loads() const { return loads_; }
 
   /// Rates of the coordinates at the state.

@@ -1,4 +1,4 @@
-// Islands: mechanisms that rows tie together, each solved by itself with projected Gauss-Seidel.
+// Islands: mechanisms coupled by constraint rows, each solved by itself with projected Gauss-Seidel.
 //
 // Velocity stage. With v (n) the change of the island's speeds over the step, v0 without impulses,
 // J (m x n) its rows, M the mass matrix, W = J M^-1 and l (m) the impulses, find
@@ -20,9 +20,9 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "conjugate_steps.h"
-#include "heap.h"
-#include "rows.h"
+#include "solver/conjugate_steps.h"
+#include "solver/free_body_island.h"
+#include "solver/rows.h"
 
 namespace cogrsim::dynamics {
 
@@ -64,7 +64,7 @@ struct RowBlock {
 /// point yields little (see README).
 struct NormalBlock {
   static constexpr int kMost = 4;
-  /// Share of the mean load to which no point yields. Less than 1: where joints hold the points, the
+  /// Fraction of the mean load that causes no compliance. Less than 1: where joints hold the points, the
   /// rest alone keeps the matrix regular.
   static constexpr double kMeanShare = 1.0 - 1e-6;
   int count = 0;
@@ -74,30 +74,30 @@ struct NormalBlock {
   Eigen::Matrix4d A_inverse = Eigen::Matrix4d::Zero();
 };
 
-/// Components that rows tie together, and all their rows.
+/// Components that rows couple, and all their rows.
 class Island {
  public:
   std::vector<IslandRow> rows;
   std::vector<RowBlock> blocks;  ///< joints' first
   std::size_t contacts = 0;      ///< where those of contacts begin
   std::vector<int> speeds;       ///< of each speed, where it is in arrays over all components
-  std::vector<int> pairs;        ///< of each contact's block, a number that those of one pair share
+  std::vector<int> pairs;        ///< pair id of each contact's block
   std::vector<const Component*> components;
   std::vector<double> v;  ///< change of the speeds
   std::vector<double> p;  ///< displacement; empty: none
 
   void clear();
-  /// Makes ready what the sweeps need. After all rows and blocks are there.
+  /// Precomputes data for the sweeps. Call it after all rows and blocks are added.
   void prepare();
   /// Velocity stage, from the impulses in the rows, which are not in `v` yet. Returns the sweeps.
   int solve_velocities(const SolverOptions& options);
-  /// Position stage, after the other: fills `p` and the gaps of the rows in `rows`, all rows there
-  /// are. `h` [s]: the step.
+  /// Position stage, after the other: fills `p`, and the gaps in `set_rows`, the rows of all
+  /// islands. `h` [s]: the step.
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows);
 
  private:
   void make_normal_blocks();
-  // A row with a gap, or one that must not slide: how far it is from its target, and the multiplier
+  // A row with a gap, or one that sticks: how far it is from its target, and the multiplier
   // of its displacement.
   struct Gap {
     int row = 0;
@@ -134,12 +134,12 @@ class Island {
   bool measure_gaps(double h, std::vector<Row>& set_rows);
   void hold_sticking(double h);
 
-  bool is_heap_ = false;
-  Heap heap_;  ///< with is_heap_: does all the work
+  bool is_free_body_island_ = false;
+  FreeBodyIsland free_body_island_;  ///< with is_free_body_island_: does all the work
   std::vector<NormalBlock> normal_blocks_;
   std::vector<Gap> gaps_;
   ConjugateSteps<double, double> steps_;
-  std::vector<double> v0_;  ///< v without impulses
+  std::vector<double> v0_;                                     ///< v without impulses
   enum class Part { all, loads, friction } part_ = Part::all;  ///< what a sweep relaxes of contacts
 };
 

@@ -1,10 +1,10 @@
-#include "rows.h"
+#include "solver/rows.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
-#include "loops.h"
+#include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
 namespace {

@@ -1,10 +1,10 @@
-#include "heap.h"
+#include "solver/free_body_island.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "islands.h"
+#include "solver/islands.h"
 
 // Fours are handed about within this file only.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -13,7 +13,7 @@ namespace cogrsim::dynamics {
 namespace {
 
 namespace plain {
-#include "heap_sweeps.h"
+#include "solver/free_body_sweeps.h"
 }  // namespace plain
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
@@ -21,22 +21,23 @@ namespace plain {
 #pragma GCC push_options
 #pragma GCC target("avx2")
 namespace wide {
-#include "heap_sweeps.h"
+#include "solver/free_body_sweeps.h"
 }  // namespace wide
 #pragma GCC pop_options
 const bool kWide = __builtin_cpu_supports("avx2");
 #endif
 
-double sweep(std::vector<HeapGroup>& groups, const std::vector<Heap::NormalBlock>& normal_blocks,
-             bool backwards, HeapBody* v) {
+double sweep(std::vector<FreeIslandGroup>& groups,
+             const std::vector<FreeBodyIsland::NormalBlock>& normal_blocks, bool backwards,
+             FreeIslandBody* v) {
 #ifdef COGRSIM_WIDE_SWEEPS
   if (kWide) return wide::sweep(groups.data(), groups.size(), normal_blocks.data(), backwards, v);
 #endif
   return plain::sweep(groups.data(), groups.size(), normal_blocks.data(), backwards, v);
 }
 
-double position_sweep(const std::vector<HeapGroup>& groups, std::vector<HeapGaps>& gaps,
-                      bool backwards, bool held, HeapBody* p) {
+double position_sweep(const std::vector<FreeIslandGroup>& groups, std::vector<FreeIslandGaps>& gaps,
+                      bool backwards, bool held, FreeIslandBody* p) {
 #ifdef COGRSIM_WIDE_SWEEPS
   if (kWide)
     return wide::position_sweep(groups.data(), gaps.data(), groups.size(), backwards, held, p);
@@ -56,30 +57,30 @@ constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
 
 double sum_of(const Four& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 // J v of one row.
-double along(const HeapGroup& g, int row, const std::vector<HeapBody>& v) {
-  const HeapGroup::Row& r = g.rows[row];
-  const HeapBody &a = v[std::size_t(g.a)], &b = v[std::size_t(g.b)];
+double along(const FreeIslandGroup& g, int row, const std::vector<FreeIslandBody>& v) {
+  const FreeIslandGroup::Row& r = g.rows[row];
+  const FreeIslandBody &a = v[std::size_t(g.a)], &b = v[std::size_t(g.b)];
   const Four last = {a.last[0], a.last[1], b.last[0], b.last[1]};
   return sum_of(r.a * a.first + r.b * b.first + r.last * last);
 }
 // v += W impulse of one row.
-void apply(const HeapGroup& g, int row, double impulse, std::vector<HeapBody>& v) {
-  const HeapGroup::Row& r = g.rows[row];
-  HeapBody &a = v[std::size_t(g.a)], &b = v[std::size_t(g.b)];
+void apply(const FreeIslandGroup& g, int row, double impulse, std::vector<FreeIslandBody>& v) {
+  const FreeIslandGroup::Row& r = g.rows[row];
+  FreeIslandBody &a = v[std::size_t(g.a)], &b = v[std::size_t(g.b)];
   const Four last = r.last * impulse;
   a.first += r.a * impulse;
   b.first += r.b * impulse;
   a.last += Two{last[0], last[1]};
   b.last += Two{last[2], last[3]};
 }
-double across(const HeapGroup& g, int i, int k) {
-  const HeapGroup::Row &x = g.rows[i], &y = g.rows[k];
+double across(const FreeIslandGroup& g, int i, int k) {
+  const FreeIslandGroup::Row &x = g.rows[i], &y = g.rows[k];
   return sum_of(x.a * y.a + x.b * y.b + x.last * y.last);
 }
 
 }  // namespace
 
-void Heap::add_normal_block(HeapGroup& g) {
+void FreeBodyIsland::add_normal_block(FreeIslandGroup& g) {
   Eigen::Matrix4d response = Eigen::Matrix4d::Identity();
   const double shared = ::cogrsim::dynamics::NormalBlock::kMeanShare * g.gamma[0] / g.count;
   NormalBlock block;
@@ -91,7 +92,7 @@ void Heap::add_normal_block(HeapGroup& g) {
     g.inverse[i] = 1.0 / response(i, i);
   }
   const Eigen::Matrix4d inverse = response.inverse();
-  g.kind = HeapGroup::Kind::normal_block;
+  g.kind = FreeIslandGroup::Kind::normal_block;
   g.normal_block = int(normal_blocks_.size());
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 4; ++k) {
@@ -101,11 +102,11 @@ void Heap::add_normal_block(HeapGroup& g) {
   normal_blocks_.push_back(block);
 }
 
-void Heap::add_group(const std::vector<IslandRow>& rows, HeapGroup::Kind kind, const int* indices,
-                     int count) {
+void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGroup::Kind kind,
+                               const int* indices, int count) {
   groups_.emplace_back();
-  HeapGroup& g = groups_.back();
-  g = HeapGroup();
+  FreeIslandGroup& g = groups_.back();
+  g = FreeIslandGroup();
   g.kind = kind;
   g.count = count;
   const IslandRow& leader = rows[std::size_t(indices[0])];
@@ -121,8 +122,8 @@ void Heap::add_group(const std::vector<IslandRow>& rows, HeapGroup::Kind kind, c
     for (int k = 3; k < 6; ++k) out[k] = root.linear * j[k];
   };
   for (int i = 0; i < 4; ++i) {
-    HeapGroup::Row& out = g.rows[i];
-    out = HeapGroup::Row();
+    FreeIslandGroup::Row& out = g.rows[i];
+    out = FreeIslandGroup::Row();
     row_of_.push_back(i < count ? indices[i] : -1);
     if (i >= count) continue;
     const IslandRow& row = rows[std::size_t(indices[i])];
@@ -144,8 +145,9 @@ void Heap::add_group(const std::vector<IslandRow>& rows, HeapGroup::Kind kind, c
   }
 }
 
-void Heap::fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
-                const std::vector<int>& pairs, const std::vector<const Component*>& bodies) {
+void FreeBodyIsland::fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
+                          const std::vector<int>& pairs,
+                          const std::vector<const Component*>& bodies) {
   roots_.resize(bodies.size() + 1);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Mat3& I = bodies[i]->inverse_inertia;
@@ -178,19 +180,19 @@ void Heap::fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>&
     }
     if (count == 1 && friction > 0.0) {
       const int point[3] = {indices[0], indices[0] + 1, indices[0] + 2};
-      add_group(rows, HeapGroup::Kind::point, point, 3);
+      add_group(rows, FreeIslandGroup::Kind::point, point, 3);
       groups_.back().friction[0] = friction;
       continue;
     }
     const int normals = int(groups_.size());
-    add_group(rows, HeapGroup::Kind::normals, indices, count);
+    add_group(rows, FreeIslandGroup::Kind::normals, indices, count);
     if (rests) add_normal_block(groups_.back());
     for (int i = 0; friction > 0.0 && i < count; i += 2) {
       int tangents[4] = {indices[i] + 1, indices[i] + 2, 0, 0};
       const bool two = i + 1 < count;
       if (two) tangents[2] = indices[i + 1] + 1, tangents[3] = indices[i + 1] + 2;
-      add_group(rows, HeapGroup::Kind::tangents, tangents, two ? 4 : 2);
-      HeapGroup& g = groups_.back();
+      add_group(rows, FreeIslandGroup::Kind::tangents, tangents, two ? 4 : 2);
+      FreeIslandGroup& g = groups_.back();
       g.normals = normals;
       g.point = i;
       g.friction[0] = g.friction[1] = friction;
@@ -198,9 +200,9 @@ void Heap::fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>&
   }
 }
 
-void Heap::scale(const std::vector<double>& v, std::vector<HeapBody>& out) const {
+void FreeBodyIsland::scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const {
   out.resize(roots_.size());
-  out.back() = HeapBody();
+  out.back() = FreeIslandBody();
   for (std::size_t i = 0; i + 1 < roots_.size(); ++i) {
     const double* const x = &v[6 * i];
     const double* const L = roots_[i].angular;
@@ -212,7 +214,7 @@ void Heap::scale(const std::vector<double>& v, std::vector<HeapBody>& out) const
   }
 }
 
-void Heap::unscale(const std::vector<HeapBody>& in, std::vector<double>& v) const {
+void FreeBodyIsland::unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const {
   v.resize(6 * (roots_.size() - 1));
   for (std::size_t i = 0; i + 1 < roots_.size(); ++i) {
     const Four& x = in[i].first;
@@ -228,10 +230,10 @@ void Heap::unscale(const std::vector<HeapBody>& in, std::vector<double>& v) cons
   }
 }
 
-int Heap::solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
-                           std::vector<double>& v) {
+int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
+                                     std::vector<double>& v) {
   scale(v, v_);
-  for (const HeapGroup& g : groups_)
+  for (const FreeIslandGroup& g : groups_)
     for (int i = 0; i < g.count; ++i)
       if (g.lambda[i] != 0.0) apply(g, i, g.lambda[i], v_);
   const double idle = kIdle * options.tolerance;
@@ -257,12 +259,13 @@ int Heap::solve_velocities(const SolverOptions& options, std::vector<IslandRow>&
 }
 
 // As Island::measure_gaps.
-bool Heap::measure_gaps(double h, const std::vector<IslandRow>& rows, std::vector<Row>& set_rows) {
+bool FreeBodyIsland::measure_gaps(double h, const std::vector<IslandRow>& rows,
+                                  std::vector<Row>& set_rows) {
   bool needed = false;
   for (std::size_t n = 0; n < groups_.size(); ++n) {
-    const HeapGroup& g = groups_[n];
-    HeapGaps& gaps = gaps_[n];
-    gaps = HeapGaps();
+    const FreeIslandGroup& g = groups_[n];
+    FreeIslandGaps& gaps = gaps_[n];
+    gaps = FreeIslandGaps();
     for (int i = 0; i < 4; ++i) gaps.least[i] = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < g.count; ++i) {
       Row& row = set_rows[std::size_t(rows[std::size_t(row_of_[4 * n + std::size_t(i)])].set_row)];
@@ -291,13 +294,13 @@ bool Heap::measure_gaps(double h, const std::vector<IslandRow>& rows, std::vecto
 }
 
 // As Island::hold_sticking: of a pair the first two points.
-void Heap::hold_sticking(double h) {
+void FreeBodyIsland::hold_sticking(double h) {
   constexpr double kSticks = 0.99;  // of the cone
   for (std::size_t n = 0; n < groups_.size(); ++n) {
-    const HeapGroup& g = groups_[n];
-    const bool tangents = g.kind == HeapGroup::Kind::tangents;
-    if (!tangents && g.kind != HeapGroup::Kind::point) continue;
-    HeapGaps& gaps = gaps_[n];
+    const FreeIslandGroup& g = groups_[n];
+    const bool tangents = g.kind == FreeIslandGroup::Kind::tangents;
+    if (!tangents && g.kind != FreeIslandGroup::Kind::point) continue;
+    FreeIslandGaps& gaps = gaps_[n];
     for (int i = tangents ? 0 : 1; i < g.count; i += 2) {
       const double load =
           tangents ? groups_[std::size_t(g.normals)].lambda[g.point + i / 2] : g.lambda[0];
@@ -320,15 +323,15 @@ void Heap::hold_sticking(double h) {
   }
 }
 
-void Heap::solve_positions(const SolverOptions& options, double h,
-                           const std::vector<IslandRow>& rows, std::vector<Row>& set_rows,
-                           std::vector<double>& p) {
+void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
+                                     const std::vector<IslandRow>& rows, std::vector<Row>& set_rows,
+                                     std::vector<double>& p) {
   gaps_.resize(groups_.size());
   if (!measure_gaps(h, rows, set_rows)) return;
   hold_sticking(h);
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const double idle = kIdle * tolerance;
-  p_.assign(roots_.size(), HeapBody{});
+  p_.assign(roots_.size(), FreeIslandBody{});
   for (std::size_t n = 0; n < groups_.size(); ++n)
     for (int i = 0; i < groups_[n].count; ++i)
       if (gaps_[n].position_impulse[i] != 0.0)
@@ -365,7 +368,7 @@ void Heap::solve_positions(const SolverOptions& options, double h,
     if (position_sweep(groups_, gaps_, count % 2 == 1, true, p_.data()) < idle) break;
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     if (row_of_[i] < 0) continue;
-    const HeapGaps& gaps = gaps_[i / 4];
+    const FreeIslandGaps& gaps = gaps_[i / 4];
     if (gaps.weight[i % 4] == 0.0) continue;
     Row& row = set_rows[std::size_t(rows[std::size_t(row_of_[i])].set_row)];
     row.position_impulse = warm_start_scale * found_[i / 4][i % 4];

@@ -4,24 +4,24 @@
 #include <vector>
 
 #include "cogrsim/core/worker_pool.h"
-#include "islands.h"
+#include "solver/islands.h"
 
 namespace cogrsim::dynamics {
 
 /// Projected Gauss-Seidel, one contact at a time (normal, then friction on the disc of Coulomb);
 /// Anitescu and Potra, Nonlinear Dynamics 14, 1997; Catto, GDC 2005. Sweeps alternate in direction.
-/// Components that no row ties together are solved each for itself and stop each in its own time.
+/// Components that no row couples are solved independently, each with its own stopping test.
 /// The normals of a resting pair are solved at once. Small islands take conjugate steps between
-/// sweeps (after Silcowitz, Niebe and Erleben, The Visual Computer 26, 2010; theirs after every
-/// sweep, ours after each pair of sweeps there and back, a symmetric preconditioner).
-/// What one call leaves for the next is memory to work in.
+/// sweeps (after Silcowitz, Niebe and Erleben, The Visual Computer 26, 2010; they after every
+/// sweep, we after each forward-backward pair of sweeps, a symmetric preconditioner).
+/// Keeps only scratch memory between calls.
 class Solver {
  public:
   /// Islands are solved on the threads of `pool`, if any: no result depends on their number.
   Solver(const SolverOptions& options, WorkerPool* pool) : options_(options), pool_(pool) {}
 
   /// Velocity stage: finds the impulses of all rows, starting from those in the rows, and adds what
-  /// they do to `dv` (over all components), which the warm starts must not be in yet.
+  /// they do to `dv` (over all components), which must not include the warm-start impulses yet.
   /// Position stage ("split impulse"): displacements `p`, along W of the unilateral rows, that bring
   /// gaps at the end of the step `h` [s] to their targets. Adds no energy of motion. `p` is zero
   /// (over all components) before.

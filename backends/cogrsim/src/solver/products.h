@@ -3,7 +3,7 @@
 
 namespace cogrsim::dynamics {
 
-/// Two figures that are worked on at once, an extension of GCC and Clang; anywhere in an array.
+/// A SIMD vector of two doubles, an extension of GCC and Clang; anywhere in an array.
 using Pair = double __attribute__((vector_size(16), aligned(8), may_alias));
 
 inline const Pair& pair_at(const double* x) { return *reinterpret_cast<const Pair*>(x); }

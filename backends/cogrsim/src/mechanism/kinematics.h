@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "cogrsim/model/scene_model.h"
-#include "placement.h"
-#include "spatial.h"
-#include "tree_plan.h"
+#include "mechanism/placement.h"
+#include "mechanism/spatial.h"
+#include "mechanism/tree_plan.h"
 
 namespace cogrsim::dynamics {
 
@@ -20,7 +20,7 @@ struct LinkMotion {
   Vec3 velocity_at(const Vec3& point) const { return linear + angular.cross(point - X.p); }
 };
 
-/// How a link hangs on what is inboard of it. Frames: I is the joint's frame on the inboard side, O
+/// How a link is connected to its inboard body. Frames: I is the joint's frame on the inboard side, O
 /// the one on the outboard side, B the link's body, P the body inboard of it.
 struct Mounting {
   enum class Kind {

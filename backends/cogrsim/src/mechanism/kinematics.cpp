@@ -1,11 +1,11 @@
-#include "kinematics.h"
+#include "mechanism/kinematics.h"
 
 #include <array>
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
-#include "mechanism.h"
+#include "mechanism/mechanism.h"
 
 namespace cogrsim::dynamics {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "components.h"
-#include "conjugate_steps.h"
-#include "rows.h"
+#include "mechanism/components.h"
+#include "solver/conjugate_steps.h"
+#include "solver/rows.h"
 
 namespace cogrsim::dynamics {
 
@@ -14,20 +14,20 @@ struct SolverOptions;
 struct IslandRow;
 struct RowBlock;
 
-/// Figures worked on at once, extensions of GCC and Clang. Each entry is computed by itself, so that
+/// SIMD vectors of doubles, extensions of GCC and Clang. Each entry is computed by itself, so that
 /// the results do not depend on how many of them the processor takes at a time. Structs that hold them
 /// set their alignment: that of a Four alone depends on the instructions compiled for.
 using Two = double __attribute__((vector_size(16)));
 using Four = double __attribute__((vector_size(32)));
 
 /// Speeds of one body, scaled by the root of its mass matrix: then J and W = M^-1 J^T are one.
-struct alignas(64) HeapBody {
+struct alignas(64) FreeIslandBody {
   Four first;  ///< angular, and the first of the linear ones
   Two last;
 };
 
 /// Up to four rows of one pair of bodies, relaxed together.
-struct alignas(32) HeapGroup {
+struct alignas(32) FreeIslandGroup {
   enum class Kind {
     normals,       ///< each by itself
     normal_block,  ///< all at once, see NormalBlock
@@ -35,10 +35,10 @@ struct alignas(32) HeapGroup {
     tangents       ///< two tangents each of one or two points
   };
   struct alignas(32) Row {
-    Four a, last, b;  ///< of side a, of both, of side b; see HeapBody
+    Four a, last, b;  ///< of side a, of both, of side b; see FreeIslandBody
   };
   Row rows[4];
-  Four below[3];  ///< what an impulse in row i does to the velocities of the rows after it
+  Four below[3];  ///< Delassus entries: change of velocity of later rows per impulse in row i
   Four bias, gamma, inverse, diagonal, lambda;
   int a = 0, b = 0;  ///< bodies
   Kind kind = Kind::normals;
@@ -50,29 +50,30 @@ struct alignas(32) HeapGroup {
 };
 
 /// The rows of a group in the position stage.
-struct alignas(32) HeapGaps {
+struct alignas(32) FreeIslandGaps {
   Four error, position_impulse, least;
-  Four weight;   ///< 0: not concerned
-  Four yield;    ///< of what a multiplier moves
+  Four weight;   ///< 0: inactive
+  Four yield;    ///< compliance, relative to the inverse mass
   Four hold;     ///< the weight without yielding, of what is held; else 0
-  int rows = 0;  ///< up to the last that is concerned
+  int rows = 0;  ///< up to the last active one
   bool held = false;
 };
 
-inline void take_conjugate_step(double beta, HeapBody& v, HeapBody& last, HeapBody& direction) {
+inline void take_conjugate_step(double beta, FreeIslandBody& v, FreeIslandBody& last,
+                                FreeIslandBody& direction) {
   take_conjugate_step(beta, v.first, last.first, direction.first);
   take_conjugate_step(beta, v.last, last.last, direction.last);
 }
 
 /// Contacts of free bodies, nothing else.
-class Heap {
+class FreeBodyIsland {
  public:
   struct alignas(32) NormalBlock {
     Four A[4], A_inverse[4];
     Four mean_compliance;
   };
 
-  /// `bodies`: components by their place in `speeds`, six each.
+  /// `bodies`: components by their index in `speeds`, six each.
   void fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
             const std::vector<int>& pairs, const std::vector<const Component*>& bodies);
   int solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
@@ -86,21 +87,21 @@ class Heap {
     double angular[6];  // lower triangle, by rows
     double linear;
   };
-  void add_group(const std::vector<IslandRow>& rows, HeapGroup::Kind kind, const int* indices,
+  void add_group(const std::vector<IslandRow>& rows, FreeIslandGroup::Kind kind, const int* indices,
                  int count);
-  void add_normal_block(HeapGroup& group);
-  void scale(const std::vector<double>& v, std::vector<HeapBody>& out) const;
-  void unscale(const std::vector<HeapBody>& in, std::vector<double>& v) const;
+  void add_normal_block(FreeIslandGroup& group);
+  void scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const;
+  void unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const;
   bool measure_gaps(double h, const std::vector<IslandRow>& rows, std::vector<Row>& set_rows);
   void hold_sticking(double h);
 
   std::vector<Root> roots_;  // last: of what does not move
-  std::vector<HeapGroup> groups_;
+  std::vector<FreeIslandGroup> groups_;
   std::vector<NormalBlock> normal_blocks_;
   std::vector<int> row_of_;  // four for each group; -1: none
-  std::vector<HeapGaps> gaps_;
-  std::vector<HeapBody> v_, p_;
-  ConjugateSteps<Four, HeapBody> steps_;
+  std::vector<FreeIslandGaps> gaps_;
+  std::vector<FreeIslandBody> v_, p_;
+  ConjugateSteps<Four, FreeIslandBody> steps_;
   std::vector<Four> found_;  ///< position impulses by group, before the last sweeps
 };
 
