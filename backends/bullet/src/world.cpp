@@ -25,8 +25,8 @@ Result<> check_scene(const SceneModel& model) {
       if (!axis_turns(joint.type, static_cast<int>(i))) continue;
       const double start = i < joint.position.size() ? joint.position[i] : 0.0;
       double farthest = 0.0;
-      for (const double way : {axis.upper - axis.lower, axis.upper - start, start - axis.lower}) {
-        if (std::isfinite(way)) farthest = std::max(farthest, way);
+      for (const double range : {axis.upper - axis.lower, axis.upper - start, start - axis.lower}) {
+        if (std::isfinite(range)) farthest = std::max(farthest, range);
       }
       if (farthest <= kWidestLimits) continue;
       return fail("joint '" + joint.name + "': its limits are " + std::to_string(farthest) +

@@ -172,8 +172,8 @@ void MujocoWorld::find_responses() {
 
 void MujocoWorld::apply_forces() {
   const bool none = external_.empty() && !program_->other_weights;
-  if (none && !pushed_) return;
-  pushed_ = !none;
+  if (none && !has_external_forces_) return;
+  has_external_forces_ = !none;
   const Vec3 gravity = vec_at(model_->opt.gravity);
   for (std::size_t b = 0; b < model()->bodies.size(); ++b) {
     const Body& it = model()->bodies[b];
