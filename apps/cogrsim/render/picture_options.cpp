@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "common/arguments.h"
 #include "common/options.h"
 #include "common/quantities.h"
-#include "common/arguments.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -26,8 +26,8 @@ struct PictureArguments {
 };
 
 [[noreturn]] void refuse_argument(const std::string& option, const std::string& what,
-                                  const std::string& way_out) {
-  throw UsageError(option, Problem(what, "", way_out));
+                                  const std::string& remedy) {
+  throw UsageError(option, Problem(what, "", remedy));
 }
 
 // --at and --every into the options of a picture.
@@ -58,7 +58,7 @@ double speed_from(const PictureArguments& arguments) {
   const auto speed = parse_number(arguments.speed);
   if (!speed || !(*speed > 0.0)) {
     refuse_argument("--speed", fmt::format("'{}' is no speed", arguments.speed),
-                 "write how much faster than life the film runs, such as 1, 4 or 0.25");
+                    "write how much faster than life the film runs, such as 1, 4 or 0.25");
   }
   return *speed;
 }
@@ -72,7 +72,7 @@ MapArea area_from(const std::string& text) {
   }
   if (parts.size() != 4 || values.size() != 4 || values[0] >= values[2] || values[1] >= values[3]) {
     refuse_argument("--area", fmt::format("'{}' is no area", text),
-                 "write x and y of the lower left and the upper right corner: --area -2,-1,2,1");
+                    "write x and y of the lower left and the upper right corner: --area -2,-1,2,1");
   }
   return {values[0], values[1], values[2], values[3]};
 }
@@ -95,13 +95,15 @@ void add_common(CLI::App& command, PictureArguments& arguments) {
       ->required()
       ->type_name("SCENE|RUN.mcap");
   command.add_option("--at", arguments.at, "Time of the picture; default: the end")->type_name("T");
-  command.add_option("-o,--output", arguments.output, "File to write")->required()->type_name("FILE");
+  command.add_option("-o,--output", arguments.output, "File to write")
+      ->required()
+      ->type_name("FILE");
   command.add_option("--every", arguments.every, "Simulated time between the pictures of a film")
       ->type_name("DT");
   command.add_option("--speed", arguments.speed, "Speed of a film; 1, the default, is real time")
       ->type_name("X");
-  command.add_option("-b,--backend", arguments.backend,
-      "Physics engine of a scene")->type_name("B");
+  command.add_option("-b,--backend", arguments.backend, "Physics engine of a scene")
+      ->type_name("B");
   command.add_option("--step", arguments.step, "Step length of a scene")->type_name("DT");
   command.add_option("--seed", arguments.seed, "Seed of all randomness of a scene")->type_name("N");
   command.add_option("--set", arguments.set, "Value of a <param> of a scene; may be repeated")
@@ -138,7 +140,8 @@ void add_map(CLI::App& app, int& status) {
       ->capture_default_str();
   command.add_option("--area", arguments->area, "Area to show; default: everything")
       ->type_name("X,Y,X,Y");
-  command.add_option("--trail", arguments->trails, "Body or assembly to follow; default: the robots")
+  command
+      .add_option("--trail", arguments->trails, "Body or assembly to follow; default: the robots")
       ->type_name("NAME,...")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -170,18 +173,18 @@ void add_render(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("render", "Render a picture or a film");
   const auto arguments = std::make_shared<PictureArguments>();
   add_common(command, *arguments);
-  command.add_option("--camera", arguments->camera, "Camera of the scene")
-      ->type_name("NAME");
+  command.add_option("--camera", arguments->camera, "Camera of the scene")->type_name("NAME");
   command
       .add_option("--view", arguments->view,
                   "From a <view> of the scene, or front, back, left, right, top, bottom; default: "
                   "iso")
       ->type_name("NAME");
-  command.add_option("--size", arguments->size,
-      "Size of the picture in pixels; default: the camera's own")
+  command
+      .add_option("--size", arguments->size,
+                  "Size of the picture in pixels; default: the camera's own")
       ->type_name("WxH");
   command.add_flag("--depth", arguments->depth,
-      "Write the depth in millimetres, as 16-bit grey PNG; 0: nothing");
+                   "Write the depth in millimetres, as 16-bit grey PNG; 0: nothing");
   command.add_flag("--segmentation", arguments->segmentation,
                    "Draw a colour for every body; the colours are listed");
   command

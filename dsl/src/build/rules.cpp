@@ -22,7 +22,7 @@ std::optional<Thing> thing_of(EventParty party) {
       return Thing::joint;
     case EventParty::thing:
       return Thing::owner;
-    case EventParty::place:
+    case EventParty::posed:
       return Thing::posed;
     case EventParty::a_template:
       return Thing::templates;

@@ -26,7 +26,7 @@ std::string event_kinds() {
         return "joint";
       case EventParty::thing:
         return "assembly or body";
-      case EventParty::place:
+      case EventParty::posed:
         return "assembly, body or frame";
       case EventParty::a_template:
         return "template";
