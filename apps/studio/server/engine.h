@@ -19,8 +19,8 @@
 #include "compare_run.h"
 #include "history.h"
 #include "run.h"
-#include "run_status.h"
 #include "run_scenes.h"
+#include "run_status.h"
 
 namespace cogrsim::studio {
 
@@ -66,7 +66,7 @@ class Engine {
   /// The library of a controller, or of all of them, as it is on disk now: while paused.
   Answer reload(const std::optional<std::string>& controller);
   Answer record(bool on, const std::optional<std::string>& file);
-  Answer compare(CompareWish wish);
+  Answer compare(CompareRequest request);
   Answer end_compare();
   tl::expected<std::vector<std::string>, Refusal> show(Scene scene);
 
@@ -92,7 +92,8 @@ class Engine {
   SimulationOptions simulation_options() const;
   Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
   tl::expected<void, Refusal> begin_again(const Scene& scene, const std::string& backend,
-                                         std::optional<double> dt, std::optional<CompareWish> wish);
+                                          std::optional<double> dt,
+                                          std::optional<CompareRequest> request);
   /// `new_plugins`: the run continues with them even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
                                                              const std::string& backend,
@@ -131,9 +132,9 @@ class Engine {
 
   std::unique_ptr<Simulation> simulation_;
   std::shared_ptr<const Provenance> provenance_;  ///< of it
-  FramePtr latest_;            ///< of the last step
-  SceneModelPtr numbered_model_;   ///< the one that has a number
-  bool same_lineage_ = false;  ///< the next number is for the same scene
+  FramePtr latest_;                               ///< of the last step
+  SceneModelPtr numbered_model_;                  ///< the one that has a number
+  bool same_lineage_ = false;                     ///< the next number is for the same scene
   SimulationOptions created_with_;
   std::uint32_t scene_number_ = 0;
   State state_ = State::stopped;
