@@ -55,18 +55,6 @@ Result<> move_to_free_name(const std::string& from, const std::string& to) {
   return fail(fmt::format("cannot be made: {}", std::strerror(why)), to);
 }
 
-std::string shell_quoted(const std::string& text) {
-  const bool plain =
-      !text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               std::strchr("_-./+,:@%", c) != nullptr;
-      });
-  if (plain) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 TransferProgress TransferLine::progress() {
   return [this](std::uint64_t done, std::uint64_t total) { show(done, total); };
 }

@@ -29,9 +29,6 @@ class TemporaryFolder {
 /// Moves a file or folder to a name that must be free. Errors: it is not, or cannot be made.
 Result<> move_to_free_name(const std::string& from, const std::string& to);
 
-/// Quotes any text as one argument for a shell.
-std::string shell_quoted(const std::string& text);
-
 /// A line on stderr that shows how far a transfer is.
 class TransferLine {
  public:

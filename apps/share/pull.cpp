@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "hash.h"
 #include "common/interrupt.h"
-#include "local.h"
-#include "manifest.h"
 #include "common/options.h"
 #include "common/output_file.h"
-#include "share.h"
 #include "common/terminal.h"
+#include "hash.h"
+#include "local.h"
+#include "manifest.h"
+#include "share.h"
 #include "zip.h"
 
 namespace cogrsim::share {
@@ -116,18 +116,17 @@ std::string report(const Manifest& manifest, const std::string& folder, bool dry
     sources += (sources.empty() ? "" : ", ") + file.path;
     has_build = has_build || file.path == "CMakeLists.txt";
   }
-  const std::string scene = shell_quoted(folder + "/" + manifest.scene);
+  const std::string scene = cli::shell_quoted(folder + "/" + manifest.scene);
   if (sources.empty()) return out + "Run it:  cogrsim run " + scene + "\n";
   out += "It brings sources of controllers: " + sources +
          "\nNothing of them was built or run. Read them first; then, if you trust them:\n";
-  const std::string build = shell_quoted(folder + "/build");
+  const std::string build = cli::shell_quoted(folder + "/build");
   if (has_build) {
-    out +=
-        fmt::format("  cmake -S {} -B {} && cmake --build {}\n", shell_quoted(folder), build,
-                    build);
+    out += fmt::format("  cmake -S {} -B {} && cmake --build {}\n", cli::shell_quoted(folder),
+                       build, build);
   }
   return out + fmt::format("  cogrsim run {} --plugin-path {}\n", scene,
-                           shell_quoted(folder + "/build/cogrsim_plugins"));
+                           cli::shell_quoted(folder + "/build/cogrsim_plugins"));
 }
 
 // The usual rights of a user's folder; a temporary one is for its user alone.

@@ -161,8 +161,9 @@ class ArmPickPlace final : public cogrsim::Controller {
     const Move& to = moves_[next_++];
     begin_ = time;
     // The fastest point of the motion is 15/8 of its mean.
-    const double way = std::max((to.to - from_.to).norm(), 0.15 * std::abs(to.yaw - from_.yaw));
-    duration_ = 15.0 / 8.0 * way / speed_;
+    const double path_length =
+        std::max((to.to - from_.to).norm(), 0.15 * std::abs(to.yaw - from_.yaw));
+    duration_ = 15.0 / 8.0 * path_length / speed_;
   }
 
   std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed

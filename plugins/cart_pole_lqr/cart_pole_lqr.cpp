@@ -93,8 +93,8 @@ class CartPoleLqr final : public cogrsim::Controller {
       force = -gain_.dot(Vec4(std::clamp(x - goal_, -0.5, 0.5), angle, v, rate));
     } else {
       const double c = std::cos(angle), s = std::sin(angle);
-      const double way = rate * c < 0.0 ? -1.0 : 1.0;
-      double pull = std::clamp(pump_ * energy / (moment * gravity_) * way, -1.0, 1.0) * pull_;
+      const double direction = rate * c < 0.0 ? -1.0 : 1.0;
+      double pull = std::clamp(pump_ * energy / (moment * gravity_) * direction, -1.0, 1.0) * pull_;
       pull -= 6.0 * (x - goal_) + 2.0 * v;  // back to the middle of the rail
       const double turn = moment * (gravity_ * s - c * pull) / inertia;
       force = (cart_mass_ + mass_) * pull + moment * (c * turn - s * rate * rate);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/algorithms/steering.h"
 #include "cogrsim/core/constants.h"
 
 namespace diff_drive {
@@ -36,11 +37,6 @@ PlanarPose rolled(const PlanarPose& pose, double left, double right, double trac
   const double direction = pose.heading + half;
   return {pose.x + arc * shortening * std::cos(direction),
           pose.y + arc * shortening * std::sin(direction), pose.heading + turn};
-}
-
-double wrapped(double angle) {
-  const double r = std::remainder(angle, 2 * kPi);
-  return r <= -kPi ? r + 2 * kPi : r;
 }
 
 PathFollower::PathFollower(std::vector<Point> waypoints, const FollowerSettings& settings)
@@ -89,7 +85,8 @@ Velocity PathFollower::update(const PlanarPose& pose) {
     const double s = std::clamp(along + settings_.lookahead, 0.0, length);
     aim = {from_.x + dx / length * s, from_.y + dy / length * s};
   }
-  const double error = wrapped(std::atan2(aim.y - pose.y, aim.x - pose.x) - pose.heading);
+  const double error =
+      cogrsim::wrapped_angle(std::atan2(aim.y - pose.y, aim.x - pose.x) - pose.heading);
   double speed = settings_.speed * std::max(0.0, 1.0 - std::abs(error) / kTurnOnTheSpot);
   if (!settings_.loop && next_ + 1 == waypoints_.size()) {
     const double left = std::hypot(to.x - pose.x, to.y - pose.y);

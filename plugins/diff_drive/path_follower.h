@@ -28,9 +28,6 @@ WheelSpeeds limited(const WheelSpeeds& speeds, double max_left, double max_right
 /// constant wheel speeds (a circular arc).
 PlanarPose rolled(const PlanarPose& pose, double left, double right, double track);
 
-/// The angle plus full turns so that it is in (-pi, pi].
-double wrapped(double angle);
-
 struct FollowerSettings {
   double speed = 0.2;         ///< cruising [m/s], > 0
   double max_turn = 2.0;      ///< [rad/s], > 0

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/algorithms/steering.h"
 #include "cogrsim/control/controller.h"
 #include "cogrsim/core/constants.h"
 #include "obstacle_map.h"
@@ -136,7 +137,7 @@ void GridNavigator::configure_sensors(cogrsim::Assembly& robot) {
     low_.push_back(robot.sensor<cogrsim::Infrared>(low + std::to_string(i)));
   }
   if (std::none_of(bearings_.begin(), bearings_.end(),
-                   [](double b) { return std::abs(wrapped(b)) < 1e-6; })) {
+                   [](double b) { return std::abs(cogrsim::wrapped_angle(b)) < 1e-6; })) {
     robot.fail("parameter 'bearings': one of the high range finders must look ahead (0 deg)");
   }
 }
@@ -204,7 +205,7 @@ void GridNavigator::localise() {
 Beam GridNavigator::beam(std::size_t i) const {
   const PlanarPose& pose = localiser_.pose();
   Beam out;
-  out.direction = wrapped(pose.heading + bearings_[i]);
+  out.direction = cogrsim::wrapped_angle(pose.heading + bearings_[i]);
   out.x = pose.x + ring_ * std::cos(out.direction);
   out.y = pose.y + ring_ * std::sin(out.direction);
   const double distance = high_[i].distance();
@@ -226,7 +227,7 @@ void GridNavigator::look() {
 double GridNavigator::ahead() const {
   double nearest = kInfinity;
   for (std::size_t i = 0; i < high_.size(); ++i) {
-    if (std::abs(wrapped(bearings_[i])) > 1e-6 || !high_[i].valid()) continue;
+    if (std::abs(cogrsim::wrapped_angle(bearings_[i])) > 1e-6 || !high_[i].valid()) continue;
     nearest = std::min(nearest, ring_ + std::max(0.0, high_[i].distance()));
   }
   return nearest;
@@ -311,7 +312,8 @@ void GridNavigator::begin(const Cell& at, double time) {
   const PlanarPose& pose = localiser_.pose();
   std::optional<Action> straight;
   for (const Action action : kActions) {
-    if (std::abs(wrapped(heading_of(action) - pose.heading)) < 0.1) straight = action;
+    if (std::abs(cogrsim::wrapped_angle(heading_of(action) - pose.heading)) < 0.1)
+      straight = action;
   }
   const std::optional<Action> action = next_action(at, straight);
   if (!action) {

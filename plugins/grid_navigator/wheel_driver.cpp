@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/algorithms/steering.h"
 #include "cogrsim/core/constants.h"
 
 namespace grid_navigator {
@@ -55,17 +56,12 @@ double heading_of(Action action) {
   return kPi;
 }
 
-double wrapped(double angle) {
-  const double turn = std::remainder(angle, 2 * kPi);
-  return turn == -kPi ? kPi : turn;
-}
-
 void Localiser::roll(double left, double right, double track) {
   const double turn = (right - left) / track, half = turn / 2;
   const double chord = (left + right) / 2 * (std::abs(half) > 1e-9 ? std::sin(half) / half : 1.0);
   pose_.x += chord * std::cos(pose_.heading + half);
   pose_.y += chord * std::sin(pose_.heading + half);
-  pose_.heading = wrapped(pose_.heading + turn);
+  pose_.heading = cogrsim::wrapped_angle(pose_.heading + turn);
 }
 
 void Localiser::correct(const PlanarPose& measured) {
@@ -73,7 +69,8 @@ void Localiser::correct(const PlanarPose& measured) {
   started_ = true;
   pose_.x += trust * (measured.x - pose_.x);
   pose_.y += trust * (measured.y - pose_.y);
-  pose_.heading = wrapped(pose_.heading + trust * wrapped(measured.heading - pose_.heading));
+  pose_.heading = cogrsim::wrapped_angle(
+      pose_.heading + trust * cogrsim::wrapped_angle(measured.heading - pose_.heading));
 }
 
 void WheelDriver::start_in(const Cell& cell, const PlanarPose& pose) {
@@ -135,7 +132,7 @@ bool WheelDriver::may_extend(const PlanarPose& pose) const {
 double WheelDriver::steer(const PlanarPose& pose, double aside, bool backwards) const {
   const double off = std::clamp(kAsideGain * aside, -kMaxAsideHeading, kMaxAsideHeading);
   const double wanted = heading_of(action_) + (backwards ? off : -off);
-  return std::clamp(kTurnGain * wrapped(wanted - pose.heading), -settings_.turn_rate,
+  return std::clamp(kTurnGain * cogrsim::wrapped_angle(wanted - pose.heading), -settings_.turn_rate,
                     settings_.turn_rate);
 }
 
@@ -150,7 +147,7 @@ bool WheelDriver::pushed_in_vain(double along, double wanted, double period) {
 }
 
 Velocity WheelDriver::turn(const PlanarPose& pose) {
-  const double error = wrapped(heading_of(action_) - pose.heading);
+  const double error = cogrsim::wrapped_angle(heading_of(action_) - pose.heading);
   if (std::abs(error) < kAligned && std::abs(now_.turn) < kAlignedRate) {
     state_ = State::driving;
     waited_ = 0.0;

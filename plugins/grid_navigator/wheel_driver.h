@@ -20,8 +20,6 @@ inline constexpr Action kActions[] = {Action::north, Action::south, Action::east
 Cell neighbour(const Cell& cell, Action action);
 /// Heading of an action [rad]: north is pi/2, east 0.
 double heading_of(Action action);
-/// The angle plus full turns so that it is in (-pi, pi].
-double wrapped(double angle);
 
 /// Speed along the heading [m/s] and turn rate, left positive [rad/s].
 struct Velocity {

@@ -113,7 +113,8 @@ COGRSIM_CONTROLLER(
     parameter("height", 0.85, "m", "of the hip at the apex").range(0.0, 100.0).must_be_set(),
     parameter("push", 120.0, "N", "force of the leg at the first hop").range(0.0, 1e6),
     parameter("push_gain", 300.0, "force per height that an apex lacks [N/m]").range(0.0, 1e6),
-    parameter("speed_gain", 0.05, "s", "of the foot's place, per error of speed").range(0.0, 10.0),
+    parameter("speed_gain", 0.05, "s", "of the foot's position, per error of speed")
+        .range(0.0, 10.0),
     parameter("swing_kp", 60.0, "torque per angle of the leg in flight [N m/rad]").range(0.0, 1e6),
     parameter("swing_kd", 3.0, "torque per its rate [N m s/rad]").range(0.0, 1e6),
     parameter("level_kp", 250.0, "torque per pitch in stance [N m/rad]").range(0.0, 1e6),

@@ -38,15 +38,16 @@ class OmniDrive final : public cogrsim::Controller {
     turn_ = robot.parameter<double>("turn_rate");
     gain_ = robot.parameter<double>("gain");
     near_ = robot.parameter<double>("arrival");
-    const auto places = robot.parameter<std::vector<double>>("waypoints");
+    const auto waypoints = robot.parameter<std::vector<double>>("waypoints");
     const auto headings = robot.parameter<std::vector<double>>("headings");
-    if (places.empty() || places.size() != 2 * headings.size())
+    if (waypoints.empty() || waypoints.size() != 2 * headings.size())
       robot.fail(
           "parameters 'waypoints' and 'headings': expected a pair x y for each heading, "
           "found " +
-          std::to_string(places.size()) + " and " + std::to_string(headings.size()) + " numbers");
-    for (std::size_t i = 0; 2 * i + 1 < places.size() && i < headings.size(); ++i)
-      goals_.push_back({places[2 * i], places[2 * i + 1], headings[i]});
+          std::to_string(waypoints.size()) + " and " + std::to_string(headings.size()) +
+          " numbers");
+    for (std::size_t i = 0; 2 * i + 1 < waypoints.size() && i < headings.size(); ++i)
+      goals_.push_back({waypoints[2 * i], waypoints[2 * i + 1], headings[i]});
     robot.publish("reached", 0.0);
   }
 

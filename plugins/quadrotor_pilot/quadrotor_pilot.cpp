@@ -108,14 +108,14 @@ class QuadrotorPilot final : public cogrsim::Controller {
   /// Moves the reference towards the next waypoint; its velocity.
   Vec3 follow(double period) {
     if (next_ >= waypoints_.size()) return Vec3::Zero();
-    const Vec3 way = waypoints_[next_] - reference_;
+    const Vec3 to_waypoint = waypoints_[next_] - reference_;
     const double step = speed_ * period;
-    if (way.norm() <= step) {
+    if (to_waypoint.norm() <= step) {
       reference_ = waypoints_[next_++];
       return Vec3::Zero();
     }
-    reference_ += way.normalized() * step;
-    return way.normalized() * speed_;
+    reference_ += to_waypoint.normalized() * step;
+    return to_waypoint.normalized() * speed_;
   }
 
   std::optional<cogrsim::Assembly> robot_;  // a copy, because that of configure() is destroyed

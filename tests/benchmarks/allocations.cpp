@@ -17,17 +17,17 @@
 namespace {
 
 constexpr int kDepth = 24;
-constexpr std::size_t kWays = 8192;
+constexpr std::size_t kCallPaths = 8192;
 
 /// A chain of return addresses and how often it came. Fixed memory: counting must not allocate.
-struct Way {
+struct CallPath {
   std::uint64_t hash = 0;  // 0: free
   int depth = 0;
   std::array<void*, kDepth> frames{};
   std::uint64_t count = 0, bytes = 0;
 };
 
-std::array<Way, kWays> ways;
+std::array<CallPath, kCallPaths> call_paths;
 std::uint64_t lost = 0;
 std::atomic<bool> armed{false};
 std::atomic_flag busy = ATOMIC_FLAG_INIT;
@@ -52,15 +52,15 @@ std::uint64_t hash_of(void* const* frames, int depth) {
   }
   bool found = false;
   for (std::size_t probe = 0; probe < 64 && !found; ++probe) {
-    Way& way = ways[(hash + probe) % kWays];
-    if (way.hash != 0 && way.hash != hash) continue;
-    if (way.hash == 0) {
-      way.hash = hash;
-      way.depth = depth;
-      way.frames = frames;
+    CallPath& path = call_paths[(hash + probe) % kCallPaths];
+    if (path.hash != 0 && path.hash != hash) continue;
+    if (path.hash == 0) {
+      path.hash = hash;
+      path.depth = depth;
+      path.frames = frames;
     }
-    ++way.count;
-    way.bytes += bytes;
+    ++path.count;
+    path.bytes += bytes;
     found = true;
   }
   if (!found) ++lost;
@@ -134,7 +134,7 @@ namespace cogrsim::bench {
 void start_counting_allocations() {
   void* first[2];
   backtrace(first, 2);  // loads the unwinder, which allocates
-  ways.fill(Way{});
+  call_paths.fill(CallPath{});
   lost = 0;
   armed = true;
 }
@@ -145,15 +145,15 @@ AllocationReport stop_counting_allocations() {
   report.lost = lost;
   Dl_info self;
   dladdr(reinterpret_cast<void*>(&start_counting_allocations), &self);
-  for (const Way& way : ways) {
-    if (way.hash == 0) continue;
+  for (const CallPath& path : call_paths) {
+    if (path.hash == 0) continue;
     AllocationSite site;
-    site.count = way.count;
-    site.bytes = way.bytes;
+    site.count = path.count;
+    site.bytes = path.bytes;
     bool judged = false;
     // The first two frames are note() and the function that calls it.
-    for (int i = 2; i < way.depth; ++i) {
-      void* const address = way.frames[i];
+    for (int i = 2; i < path.depth; ++i) {
+      void* const address = path.frames[i];
       Dl_info info;
       if (!dladdr(address, &info) || !info.dli_fname) continue;
       const std::string library = base_name(info.dli_fname);

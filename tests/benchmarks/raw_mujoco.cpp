@@ -260,7 +260,7 @@ class MujocoRunner final : public Runner {
 
  private:
   /// Finds the bodies' poses. MuJoCo normalises quaternions in place when it does; what is looked at
-  /// shall go on as if it had not been.
+  /// must continue unchanged.
   void see() {
     const std::vector<mjtNum> qpos(data_->qpos, data_->qpos + model_->nq);
     mj_kinematics(model_, data_);

@@ -61,14 +61,15 @@ class PointContacts final : public SimTK::Force::Custom::Implementation {
       const STVec3 rb = at - b.getBodyOriginLocation(state);
       const SpatialVec &V_a = a.getBodyVelocity(state), &V_b = b.getBodyVelocity(state);
       const STVec3 v = V_b[1] + V_b[0] % rb - V_a[1] - V_a[0] % ra;
-      const Real apart = SimTK::dot(v, n);
+      const Real separation_speed = SimTK::dot(v, n);
       const Law& law = law_of(ca, cb);
-      const Real push = law.stiffness * -point.gap * (1 - law.damping * apart);
-      if (point.gap >= 0 || push <= 0) continue;
+      const Real normal_force = law.stiffness * -point.gap * (1 - law.damping * separation_speed);
+      if (point.gap >= 0 || normal_force <= 0) continue;
       constexpr Real kTransition = 0.01;  // [m/s], Simbody's default
-      const STVec3 slip = v - apart * n;
+      const STVec3 slip = v - separation_speed * n;
       const STVec3 force =
-          push * n - (law.friction * push / std::max(slip.norm(), kTransition)) * slip;
+          normal_force * n -
+          (law.friction * normal_force / std::max(slip.norm(), kTransition)) * slip;
       forces[a.getMobilizedBodyIndex()] -= SpatialVec(ra % force, force);
       forces[b.getMobilizedBodyIndex()] += SpatialVec(rb % force, force);
     }
@@ -87,7 +88,8 @@ class PointContacts final : public SimTK::Force::Custom::Implementation {
       Eigen::Matrix3d R;
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) R(r, c) = X.R().asMat33()(r, c);
-      detector_.set_pose(static_cast<int>(i), {R, Eigen::Vector3d(X.p()[0], X.p()[1], X.p()[2])}, 0.0);
+      detector_.set_pose(static_cast<int>(i), {R, Eigen::Vector3d(X.p()[0], X.p()[1], X.p()[2])},
+                         0.0);
     }
     detector_.detect(points_);
   }

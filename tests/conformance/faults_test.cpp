@@ -37,7 +37,7 @@ TEST_CASE("a body beyond all bounds is named", "[faults]") {
 TEST_CASE("what stands still at the end of the world ends no program", "[faults]") {
   ModelBuilder builder;
   const int wall = builder.box("wall", Vec3(1, 1, 1), 1.0, at(-1e300, 0, 0));
-  builder.model.bodies[wall].kind = BodyKind::fixed;
+  builder.model.bodies[wall].kind = BodyKind::static_body;
   builder.sphere("ball", 0.1, 1.0, at(0, 0, 1));
   Sim sim(builder.build());
   for (int i = 0; i < 3; ++i) {

@@ -70,7 +70,7 @@ TEST_CASE("four-bar: swings back to where it started", "[loop]") {
 }
 
 // `count` four-bars side by side: upright rods of 1 m and 1 kg on the ground, 1 m apart, their tips
-// joined by level ones alike. Whenever all lie flat a linkage may go on in other ways than it came.
+// joined by level ones alike. Whenever all lie flat a linkage may continue on another branch.
 struct Row {
   ModelBuilder builder;
   std::vector<int> pins, loops;

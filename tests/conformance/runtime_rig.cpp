@@ -53,7 +53,7 @@ void detach(Sim& sim, int joint) {
 void set_static(Sim& sim, int body, bool on) {
   need("runtime.body_kind");
   auto next = std::make_shared<SceneModel>(*sim.world().model());
-  next->bodies[body].kind = on ? BodyKind::fixed : BodyKind::dynamic;
+  next->bodies[body].kind = on ? BodyKind::static_body : BodyKind::dynamic;
   mark_loops(*next);
   change(sim, next);
 }

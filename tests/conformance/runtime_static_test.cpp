@@ -117,7 +117,7 @@ TEST_CASE("a static body made dynamic falls and rests", "[runtime]") {
   ModelBuilder builder;
   builder.plane("floor");
   const int shelf = builder.box("shelf", Vec3(0.4, 0.4, 0.1), 2.0, at(0, 0, 0.55));
-  builder.model.bodies[shelf].kind = BodyKind::fixed;
+  builder.model.bodies[shelf].kind = BodyKind::static_body;
   const int cup = builder.box("cup", Vec3(0.1, 0.1, 0.1), 0.5, at(0, 0, 0.65));
   Sim sim(builder);
   sim.run(0.3);

@@ -15,7 +15,7 @@ TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
   CHECK(model->physics.backend == "bullet");
   CHECK(model->physics.step == 1e-3);
   REQUIRE(model->bodies.size() == 3);
-  CHECK(body(*model, "floor").kind == BodyKind::fixed);
+  CHECK(body(*model, "floor").kind == BodyKind::static_body);
 
   const Body& crate = body(*model, "crate");
   CHECK(crate.kind == BodyKind::dynamic);
@@ -235,5 +235,5 @@ TEST_CASE("heights are listed row by row from the lowest y", "[dsl][build]") {
   CHECK(grid.columns == 3);
   CHECK(grid.rows == 2);
   CHECK(grid.heights[5] == Approx(0.05));
-  CHECK(body(*model, "h").kind == BodyKind::fixed);
+  CHECK(body(*model, "h").kind == BodyKind::static_body);
 }

@@ -106,7 +106,7 @@ TEST_CASE("a maze's walls are few long boxes of its assembly", "[maze]") {
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Body& b = body(*model, "walls.wall_" + std::to_string(i + 1));
     const Expected& e = expected[i];
-    CHECK(b.kind == BodyKind::fixed);
+    CHECK(b.kind == BodyKind::static_body);
     CHECK(b.assembly == assembly);
     REQUIRE(b.shapes.size() == 1);
     CHECK(near(b.X_WB.p, Vec3(10 + (e.x0 + e.x1) / 2, (e.y0 + e.y1) / 2, 0.25)));
@@ -265,7 +265,7 @@ TEST_CASE("a maze's doors slide into the walls beside them", "[maze][door]") {
   const CollisionFilter filter(*model);
   const int leaf = find_body(*model, "walls.A.leaf");
   for (const Body& wall : model->bodies) {
-    if (wall.kind != BodyKind::fixed) continue;
+    if (wall.kind != BodyKind::static_body) continue;
     const Vec3 size = wall.shapes[0].size;
     // Swept: x from 0 to 2, about y = 2.
     const bool met = wall.X_WB.p.x() - size.x() / 2 < 2.0 && wall.X_WB.p.x() + size.x() / 2 > 0.0 &&

@@ -407,15 +407,16 @@ TEST_CASE("a model is included from a folder beside it or a package, and placed"
   REQUIRE(in.model);
   CHECK((in.body("l").X_WB.p - Vec3(1, 0, 0)).norm() < 1e-12);
   CHECK((in.body("two_l").X_WB.p - Vec3(2, 0, -0.5)).norm() < 1e-12);
-  CHECK(in.body("two_l").kind == BodyKind::fixed);
+  CHECK(in.body("two_l").kind == BodyKind::static_body);
 }
 
 TEST_CASE("a joint between links that stand is left out", "[sdf]") {
   Imported in;
-  in.read(R"(<sdf version="1.9"><model name="m"><static>true</static><link name="a"/><link name="b"/>
+  in.read(
+      R"(<sdf version="1.9"><model name="m"><static>true</static><link name="a"/><link name="b"/>
 <joint name="turn" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
 </model></sdf>)",
-          "m.sdf");
+      "m.sdf");
   REQUIRE(in.model);
   CHECK(in.model->joints.empty());
   CHECK(in.reports(dsl::Fidelity::left_out, "turn", "does not move"));

@@ -251,7 +251,7 @@ TEST_CASE("a root without mass is the world if it is called so", "[urdf]") {
   REQUIRE(in.model);
   const bool is_world = name == "world" && mass.empty();
   const NamedFrame& base = in.frame("base");
-  CHECK((in.model->bodies.at(base.body).kind == BodyKind::fixed) == is_world);
+  CHECK((in.model->bodies.at(base.body).kind == BodyKind::static_body) == is_world);
   CHECK(base.X_BF.p.z() == 2.0);
   CHECK(in.body("arm").kind == BodyKind::dynamic);
   CHECK(in.reports(kExact, "link 'world'", "is the world") == is_world);

@@ -63,12 +63,6 @@ TEST_CASE("straight odometry has no division by zero") {
   CHECK(pose.y == Approx(2.5));
 }
 
-TEST_CASE("wrapped angles lie between -pi and pi") {
-  CHECK(wrapped(3 * kPi / 2) == Approx(-kPi / 2));
-  CHECK(wrapped(-5 * kPi) == Approx(kPi));
-  CHECK(wrapped(0.3) == Approx(0.3));
-}
-
 TEST_CASE("a square is driven and ends at its last corner") {
   FollowerSettings settings;
   PathFollower follower({{1, 0}, {1, 1}, {0, 1}, {0, 0}}, settings);

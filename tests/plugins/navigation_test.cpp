@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cogrsim/algorithms/grid.h"
+#include "cogrsim/algorithms/steering.h"
 #include "grid_navigator/obstacle_map.h"
 #include "grid_navigator/policy.h"
 #include "grid_navigator/wheel_driver.h"
@@ -59,7 +60,7 @@ struct Vehicle {
     for (double t = 0.0; t < seconds && !driver.idle(); t += 0.01) {
       const bool east = std::abs(pose.heading) < 0.5;
       const Velocity v = driver.update(pose, east ? wall_x - pose.x : kInfinity, 0.5, 0.01);
-      pose.heading = wrapped(pose.heading + v.turn * 0.01);
+      pose.heading = cogrsim::wrapped_angle(pose.heading + v.turn * 0.01);
       const double x = pose.x + v.forward * 0.01 * std::cos(pose.heading);
       if (x > jam_x) continue;  // pushed in vain
       pose.x = x;
@@ -88,7 +89,8 @@ TEST_CASE("an action leads to the middle of the neighbouring cell", "[navigation
   // steered away most of the 1 cm.
   CHECK(vehicle.pose.x == Approx((to.column + 0.5) * 0.5).margin(0.015));
   CHECK(vehicle.pose.y == Approx((to.row + 0.5) * 0.5).margin(0.015));
-  CHECK(wrapped(vehicle.pose.heading - heading_of(action)) == Approx(0.0).margin(0.1));
+  CHECK(cogrsim::wrapped_angle(vehicle.pose.heading - heading_of(action)) ==
+        Approx(0.0).margin(0.1));
 }
 
 TEST_CASE("equal actions flow without a stop", "[navigation]") {

@@ -101,8 +101,8 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
     CHECK_THAT(found[1].message, Contains("contact of box and plane"));
   }
   SECTION("whichever of the two types moves") {
-    b.model.bodies[c].kind = BodyKind::fixed;
-    b.model.bodies[a].kind = BodyKind::fixed;
+    b.model.bodies[c].kind = BodyKind::static_body;
+    b.model.bodies[a].kind = BodyKind::static_body;
     b.sphere("ball", 0.1, 1, at(9));
     const auto found = check_capabilities(*b.build(), "test", caps);
     REQUIRE(found.size() == 1);
@@ -117,7 +117,7 @@ TEST_CASE("only shape pairs that could meet count", "[capabilities]") {
     CHECK(check_capabilities(*b.build(), "test", caps).empty());
   }
   SECTION("nor two bodies that cannot move") {
-    for (Body& body : b.model.bodies) body.kind = BodyKind::fixed;
+    for (Body& body : b.model.bodies) body.kind = BodyKind::static_body;
     CHECK(check_capabilities(*b.build(), "test", caps).empty());
   }
 }

@@ -1,6 +1,7 @@
 // Names, paths, versions, manifests: what is accepted and what is refused.
 #include <catch2/catch.hpp>
 
+#include "common/terminal.h"
 #include "hash.h"
 #include "http.h"
 #include "local.h"
@@ -248,10 +249,10 @@ TEST_CASE("listings give names of packages and nothing else", "[share]") {
 }
 
 TEST_CASE("any text can be quoted for a shell", "[share]") {
-  CHECK(shell_quoted("a/b-1.0/c.xml") == "a/b-1.0/c.xml");
-  CHECK(shell_quoted("a b") == "'a b'");
-  CHECK(shell_quoted("$(reboot)") == "'$(reboot)'");
-  CHECK(shell_quoted("it's") == "'it'\\''s'");
+  CHECK(cogrsim::cli::shell_quoted("a/b-1.0/c.xml") == "a/b-1.0/c.xml");
+  CHECK(cogrsim::cli::shell_quoted("a b") == "'a b'");
+  CHECK(cogrsim::cli::shell_quoted("$(reboot)") == "'$(reboot)'");
+  CHECK(cogrsim::cli::shell_quoted("it's") == "'it'\\''s'");
   CHECK(percent_encoded("a b/\xc3\xa4+~", true) == "a%20b/%C3%A4%2B~");
   CHECK(percent_decoded("a%20b") == "a b");
   CHECK(percent_decoded("a%2") == "");

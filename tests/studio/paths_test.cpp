@@ -105,7 +105,7 @@ TEST_CASE("a path of any length has bounded points and is sent piece by piece", 
   for (int i = 0; i < 100; ++i) {
     Body body;
     body.name = "b" + std::to_string(i);
-    body.kind = i == 0 ? BodyKind::fixed : BodyKind::dynamic;
+    body.kind = i == 0 ? BodyKind::static_body : BodyKind::dynamic;
     model->bodies.push_back(body);
   }
   Paths paths;

@@ -286,7 +286,7 @@ TEST_CASE("added, removed and changed elements are restored", "[sweep][snapshot]
   CHECK(find_joint(*second.model(), "hitch") >= 0);
   const int middle = find_body(*second.model(), "middle");
   REQUIRE(middle >= 0);
-  CHECK(second.model()->bodies[middle].kind == BodyKind::fixed);
+  CHECK(second.model()->bodies[middle].kind == BodyKind::static_body);
   first->run_until(1.0);
   second.run_until(1.0);
   // As above.
@@ -329,7 +329,7 @@ TEST_CASE("a body that was made static stays where it was", "[sweep][snapshot]")
     return run.frame()->state.poses[body];
   };
   const auto fixed = [](Simulation& run, const char* name) {
-    return run.model()->bodies[find_body(*run.model(), name)].kind == BodyKind::fixed;
+    return run.model()->bodies[find_body(*run.model(), name)].kind == BodyKind::static_body;
   };
   const double later = GENERATE(0.4, 1.0);
   second.run_until(later);

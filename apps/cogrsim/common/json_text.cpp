@@ -70,6 +70,8 @@ std::string json_text(const Json& value) {
   return out;
 }
 
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
 Json to_json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
 Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }

@@ -18,6 +18,8 @@ using Json = nlohmann::ordered_json;
 /// Invalid UTF-8 in strings is replaced. Arrays of plain values stay on one line.
 std::string json_text(const Json& value);
 
+Json text_or_null(const std::string& text);  ///< null where it is empty
+
 Json to_json(const Vec3& v);  ///< [x, y, z]
 Json to_json(const Quat& q);  ///< [w, x, y, z]
 

@@ -35,8 +35,6 @@ std::string source_line(const Diagnostic& diagnostic) {
   return line.size() > kLongest ? std::string() : printable(line);
 }
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 }  // namespace
 
 LoadedScene load_scene(const SceneOptions& options) {

@@ -95,6 +95,19 @@ std::size_t display_width(const std::string& text) {
   return width;
 }
 
+std::string shell_quoted(const std::string& text) {
+  const bool plain = !text.empty() && text.front() != '-' && text.front() != '=' &&
+                     std::all_of(text.begin(), text.end(), [](char c) {
+                       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                              (c >= '0' && c <= '9') ||
+                              std::string_view("_-./+,:@%=").find(c) != std::string_view::npos;
+                     });
+  if (plain) return text;
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 std::string shortened(const std::string& name, std::size_t width) {
   const std::string text = one_line(name);
   if (display_width(text) <= width) return text;

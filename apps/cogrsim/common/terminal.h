@@ -33,6 +33,9 @@ int terminal_width(int file_descriptor);
 void print_error(const std::string& text);
 void print_warning(const std::string& text);
 
+/// Quotes any text as one argument for a shell.
+std::string shell_quoted(const std::string& text);
+
 /// Columns that `text` takes: its UTF-8 code points, colour codes not counted.
 std::size_t display_width(const std::string& text);
 /// `text` cut to `width` columns, with "…" where something was left out.

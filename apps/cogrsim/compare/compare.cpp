@@ -48,7 +48,7 @@ std::unordered_map<std::string, int> indices(const Elements& elements, Wanted wa
   return out;
 }
 
-bool can_move(const Body& body) { return body.kind != BodyKind::fixed; }
+bool can_move(const Body& body) { return body.kind != BodyKind::static_body; }
 bool has_coordinates(const Joint& joint) { return joint.type != JointType::fixed; }
 
 void track(Drift& drift, double value, double change) {

@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
-#include "compare/compare_output.h"
 #include "common/scene_loading.h"
+#include "compare/compare_output.h"
 
 namespace cogrsim::cli {
 namespace {
-
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json number_or_null(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);

@@ -9,7 +9,8 @@ void Trajectory::add(const Frame& frame) {
   std::map<std::string, Vec3> instant;
   for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) {
     const Body& body = frame.model->bodies[i];
-    if (!body.removed && body.kind != BodyKind::fixed) instant[body.name] = frame.state.poses[i].p;
+    if (!body.removed && body.kind != BodyKind::static_body)
+      instant[body.name] = frame.state.poses[i].p;
   }
   instants_.push_back(std::move(instant));
 }

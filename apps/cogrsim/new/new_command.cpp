@@ -1,8 +1,6 @@
 #include "new/new_command.h"
 
 #include <unistd.h>
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -12,13 +10,13 @@
 #include <fmt/format.h>
 
 #include "cogrsim/plugin/loader.h"
-#include "new/new_names.h"
-#include "new/new_templates.h"
+#include "common/arguments.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/refuse.h"
 #include "common/terminal.h"
-#include "common/arguments.h"
+#include "new/new_names.h"
+#include "new/new_templates.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -49,18 +47,6 @@ std::string own_prefix() {
   std::error_code fault;
   const fs::path program = fs::canonical("/proc/self/exe", fault);
   return fault ? "/usr/local" : program.parent_path().parent_path().string();
-}
-
-// Quoted as one argument of a shell's command line.
-std::string shell_quoted(const std::string& text) {
-  const bool plain = std::all_of(text.begin(), text.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c >= 0x80 ||
-           std::string("/._-+=:,@%").find(static_cast<char>(c)) != std::string::npos;
-  });
-  if (plain && !text.empty()) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 using Placeholders = std::map<std::string, std::string>;
@@ -219,9 +205,9 @@ int new_command(const NewOptions& options) {
   }
   const std::string prefix = own_prefix();
   const Placeholders placeholders = {{"@NAME@", options.name},
-                       {"@KIND@", options.kind},
-                       {"@CLASS@", class_name(options.name)},
-                       {"@PREFIX@", shell_quoted(prefix)}};
+                                     {"@KIND@", options.kind},
+                                     {"@CLASS@", class_name(options.name)},
+                                     {"@PREFIX@", shell_quoted(prefix)}};
   const std::vector<ProjectFile> files = project_files(options.kind, placeholders);
   if (const auto made = make_project(folder, files); !made) {
     return refuse(made.error());

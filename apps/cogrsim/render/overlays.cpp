@@ -93,7 +93,7 @@ Overlay make_overlay(const Frame& frame, const OverlayChoice& choice, double siz
   if (choice.frames) {
     for (std::size_t b = 0; b < frame.model->bodies.size(); ++b) {
       const Body& body = frame.model->bodies[b];
-      if (body.removed || body.kind == BodyKind::fixed) continue;
+      if (body.removed || body.kind == BodyKind::static_body) continue;
       const Pose& X = frame.state.poses[b];
       for (int k = 0; k < 3; ++k) {
         line(X.p, X * Vec3(0.06 * size * Vec3::Unit(k)), kAxes[k], 2.0, true);

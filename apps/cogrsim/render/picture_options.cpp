@@ -26,8 +26,8 @@ struct PictureArguments {
 };
 
 [[noreturn]] void refuse_argument(const std::string& option, const std::string& what,
-                                  const std::string& way_out) {
-  throw UsageError(option, Problem(what, "", way_out));
+                                  const std::string& remedy) {
+  throw UsageError(option, Problem(what, "", remedy));
 }
 
 // --at and --every into the options of a picture.

@@ -15,7 +15,7 @@ constexpr Color kColors[] = {{0.85, 0.15, 0.10, 1}, {0.00, 0.35, 0.75, 1}, {0.10
 std::string leading_body(const SceneModel& model, int assembly) {
   for (const int b : bodies_of(model, assembly)) {
     const Body& body = model.bodies[b];
-    if (body.kind != BodyKind::fixed) return body.name;
+    if (body.kind != BodyKind::static_body) return body.name;
   }
   return {};
 }

@@ -12,14 +12,12 @@
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/provenance_text.h"
-#include "replay/recording_options.h"
 #include "common/refuse.h"
 #include "common/terminal.h"
+#include "replay/recording_options.h"
 
 namespace cogrsim::cli {
 namespace {
-
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json info_json(const RecordingInfo& info) {
   Json out;

@@ -37,7 +37,7 @@ std::string body_table(const Frame& frame, const Style& style) {
   std::size_t rows = 0, left = 0;
   for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) {
     const Body& body = frame.model->bodies[i];
-    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (body.removed || body.kind == BodyKind::static_body) continue;
     if (rows == kRows) {
       ++left;
       continue;

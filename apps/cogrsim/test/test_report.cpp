@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/terminal.h"
-#include "test/test_command.h"
 #include "compare/zoom_chart.h"
+#include "test/test_command.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -21,17 +21,6 @@ std::string escaped(const std::string& text) {
     }
   }
   return out;
-}
-
-// As a shell takes it.
-std::string shell_quoted(const std::string& text) {
-  const bool plain = !text.empty() && text.find_first_not_of(
-                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                          "0123456789_-./=:,") == std::string::npos;
-  if (plain) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 std::string again(const TestCase& one, const TestCommandOptions& options) {
@@ -117,9 +106,9 @@ std::string junit_text(const std::vector<TestCase>& cases) {
     std::string location;
     for (const Json& verdict : one.result["verdicts"])
       if (location.empty() && !verdict["file"].is_null())
-        location = fmt::format(" file=\"{}\" line=\"{}\"",
-                               escaped(verdict["file"].get<std::string>()),
-                            verdict["line"].get<int>());
+        location =
+            fmt::format(" file=\"{}\" line=\"{}\"", escaped(verdict["file"].get<std::string>()),
+                        verdict["line"].get<int>());
     suite.body += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"{}",
                               escaped(one.scene), escaped(one.title()), one.wall_time, location);
     ++suite.tests;

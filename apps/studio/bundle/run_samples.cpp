@@ -72,7 +72,7 @@ void RunSamples::enter(const SceneModelPtr& model) {
   const SignalScope scope{*model, record->lookup(), {}, {}};
   std::set<std::string> moving;
   for (const Body& body : model->bodies) {
-    if (!body.removed && body.kind != BodyKind::fixed) moving.insert(body.name);
+    if (!body.removed && body.kind != BodyKind::static_body) moving.insert(body.name);
   }
   NoFrames none;
   const Answer all = SeriesRequests(none, scenes_).signals();

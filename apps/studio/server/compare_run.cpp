@@ -15,7 +15,7 @@ namespace {
 constexpr double kSameTick = 1e-9;
 constexpr int kMostSteps = 1000;
 
-bool can_move(const Body& body) { return !body.removed && body.kind != BodyKind::fixed; }
+bool can_move(const Body& body) { return !body.removed && body.kind != BodyKind::static_body; }
 
 }  // namespace
 

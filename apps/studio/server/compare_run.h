@@ -12,7 +12,7 @@
 
 namespace cogrsim::studio {
 
-struct CompareWish {
+struct CompareRequest {
   std::optional<std::string> backend;  ///< empty: the same
   std::optional<double> step;          ///< [s]; empty: the same
 };
@@ -40,7 +40,7 @@ class DivergenceDetector {
 
 /// The simulation of the second run, and its labels.
 struct SecondRun {
-  CompareWish wish;
+  CompareRequest request;
   std::unique_ptr<Simulation> simulation;
   std::array<std::string, 2> labels;
   DivergenceDetector divergence;

@@ -268,9 +268,9 @@ void Engine::pause(const Reply& reply) {
 Answer Engine::stop(bool then_play) {
   if (!scene_) return fail("there is no scene yet that can be run");
   settle();
-  const std::optional<CompareWish> wish =
-      ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
-  if (auto done = begin_again(*scene_, backend_, dt_, wish); !done) {
+  const std::optional<CompareRequest> request =
+      ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
+  if (auto done = begin_again(*scene_, backend_, dt_, request); !done) {
     return tl::unexpected(to_error(done.error()));
   }
   return then_play ? play() : Answer(Json::object());
@@ -338,14 +338,14 @@ Answer Engine::set_step(std::optional<double> dt) {
     publish(true);
     return Json::object();
   }
-  if (ghost_ && ghost_->wish.step) {
+  if (ghost_ && ghost_->request.step) {
     return fail("the two runs that are compared have steps of their own", "",
                 "end the comparison first");
   }
   if (simulation_->step_count() == 0) {
-    const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
+    const auto request = ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
     const bool playing = state_ == State::playing;
-    if (auto done = begin_again(*scene_, backend_, dt, wish); !done) {
+    if (auto done = begin_again(*scene_, backend_, dt, request); !done) {
       return tl::unexpected(to_error(done.error()));
     }
     dt_ = dt;
@@ -371,11 +371,11 @@ Answer Engine::set_backend(const std::string& name) {
   const bool playing = state_ == State::playing;
   std::vector<std::string> notes;
   if (ghost_ || !simulation_ || simulation_->step_count() == 0 || state_ == State::ended) {
-    const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
+    const auto request = ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
     if (simulation_ && simulation_->step_count() > 0) {
       notes.push_back(ghost_ ? "the comparison restarts" : "the run restarts: it had ended");
     }
-    if (auto done = begin_again(*scene_, name, dt_, wish); !done) {
+    if (auto done = begin_again(*scene_, name, dt_, request); !done) {
       return tl::unexpected(to_error(done.error()));
     }
   } else {
@@ -391,11 +391,11 @@ Answer Engine::set_backend(const std::string& name) {
   return Json{{"notes", notes}};
 }
 
-Answer Engine::compare(CompareWish wish) {
+Answer Engine::compare(CompareRequest request) {
   if (!scene_) return fail("there is no scene yet that can be run");
   settle();
   const bool playing = state_ == State::playing;
-  if (auto done = begin_again(*scene_, backend_, dt_, std::move(wish)); !done) {
+  if (auto done = begin_again(*scene_, backend_, dt_, std::move(request)); !done) {
     return tl::unexpected(to_error(done.error()));
   }
   return playing ? play() : Answer(Json::object());

@@ -66,7 +66,7 @@ class Engine {
   /// The library of a controller, or of all of them, as it is on disk now: while paused.
   Answer reload(const std::optional<std::string>& controller);
   Answer record(bool on, const std::optional<std::string>& file);
-  Answer compare(CompareWish wish);
+  Answer compare(CompareRequest request);
   Answer end_compare();
   tl::expected<std::vector<std::string>, Refusal> show(Scene scene);
 
@@ -93,7 +93,7 @@ class Engine {
   Made make(const SceneModelPtr& model, const SimulationOptions& options) const;
   tl::expected<void, Refusal> begin_again(const Scene& scene, const std::string& backend,
                                           std::optional<double> dt,
-                                          std::optional<CompareWish> wish);
+                                          std::optional<CompareRequest> request);
   /// `new_plugins`: the run continues with them even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
                                                              const std::string& backend,

@@ -85,7 +85,7 @@ class Placing {
   bool moves(int body) const {
     if (body == kWorld) return false;
     const Body& b = now_.bodies[index(body)];
-    return !b.removed && b.kind != BodyKind::fixed;
+    return !b.removed && b.kind != BodyKind::static_body;
   }
 
   std::size_t find(std::size_t body) {

@@ -99,18 +99,18 @@ void Engine::forget_past() {
 }
 
 tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::string& backend,
-                                               std::optional<double> dt,
-                                               std::optional<CompareWish> wish) {
+                                                std::optional<double> dt,
+                                                std::optional<CompareRequest> request) {
   SimulationOptions options = simulation_options();
   options.backend = backend;
   options.step = dt.value_or(0.0);
   auto made = make(scene.model, options);
   if (!made) return tl::unexpected(made.error());
   std::unique_ptr<SecondRun> ghost;
-  if (wish) {
+  if (request) {
     SimulationOptions other = options;
-    if (wish->backend) other.backend = *wish->backend;
-    if (wish->step) other.step = *wish->step;
+    if (request->backend) other.backend = *request->backend;
+    if (request->step) other.step = *request->step;
     auto second = make(scene.model, other);
     if (!second) return tl::unexpected(second.error());
     if (!steps_meet((*made)->dt(), (*second)->dt())) {
@@ -119,7 +119,7 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
                               "choose one that goes into the other, such as half of it"))});
     }
     ghost = std::make_unique<SecondRun>();
-    ghost->wish = *wish;
+    ghost->request = *request;
     ghost->labels = labels_of(**made, **second);
     ghost->simulation = std::move(*second);
   }
@@ -207,8 +207,8 @@ tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
     notes.push_back(ghost_ ? "the comparison restarts"
                            : "the run restarts: it had ended (" + ending_ + ")");
   }
-  const auto wish = ghost_ ? std::optional<CompareWish>(ghost_->wish) : std::nullopt;
-  if (auto done = begin_again(scene, backend_, dt_, wish); !done) {
+  const auto request = ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
+  if (auto done = begin_again(scene, backend_, dt_, request); !done) {
     return tl::unexpected(done.error());
   }
   if (playing) {

@@ -29,7 +29,7 @@ std::vector<Followed> followed(const SceneModel& model) {
   }
   std::vector<Followed> out;
   for (const Body& body : model.bodies) {
-    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (body.removed || body.kind == BodyKind::static_body) continue;
     const int top = top_level_assembly(model, body.assembly);
     if (top < 0) {
       out.push_back({body.name, body.name, false});

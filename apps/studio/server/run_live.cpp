@@ -3,8 +3,8 @@
 #include <atomic>
 
 #include "engine.h"
-#include "run_requests.h"
 #include "run_fields.h"
+#include "run_requests.h"
 
 namespace cogrsim::studio {
 
@@ -89,7 +89,7 @@ class LiveRun final : public Run {
       if (name) {
         if (auto good = plugin_name(*name); !good) return good;
       }
-      answer([w = CompareWish{name, fields::maybe<double>(f, "step")}](Engine& e) {
+      answer([w = CompareRequest{name, fields::maybe<double>(f, "step")}](Engine& e) {
         return e.compare(w);
       });
     } else {

@@ -26,7 +26,7 @@ const char* kind_of(BodyKind kind) {
       return "dynamic";
     case BodyKind::kinematic:
       return "kinematic";
-    case BodyKind::fixed:
+    case BodyKind::static_body:
       break;
   }
   return "fixed";

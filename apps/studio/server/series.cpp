@@ -86,7 +86,7 @@ Answer SeriesRequests::signals() {
   };
   std::vector<Body> moving;
   for (const Body& body : model.bodies) {
-    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (body.removed || body.kind == BodyKind::static_body) continue;
     Body plain;
     plain.name = body.name;
     moving.push_back(std::move(plain));

@@ -137,7 +137,7 @@ Result<> Engine::build(const WorldState& state) {
     const Body& body = model_->bodies[b];
     if (body.removed) continue;
     Part& part = parts_[b];
-    part.place = state.poses[b];
+    part.pose = state.poses[b];
     if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
     auto shape = make_body_shape(*model_, body, option<double>(*options_, "margin"), part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
@@ -148,7 +148,7 @@ Result<> Engine::build(const WorldState& state) {
   }
   positions_ = state.joint_positions;
   for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
-  // Pairs that the scene keeps apart. A constraint's ends are kept apart by itself.
+  // Pairs that the scene excludes from collision. A constraint excludes its own two bodies.
   for (const auto& [first, second] : model_->no_collide) {
     btRigidBody *const a = parts_[first].rigid.get(), *const b = parts_[second].rigid.get();
     if (!a || !b) continue;
@@ -234,9 +234,9 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
 
 double* Engine::count_turns(int joint) const {
   const Joint& of = model_->joints[joint];
-  const auto place = [&](int body) { return body == kWorld ? Pose() : pose(body); };
+  const auto pose_of = [&](int body) { return body == kWorld ? Pose() : pose(body); };
   double* const q = positions_.data() + of.position_offset;
-  joint_position(of, relative_pose(of, place(of.parent), place(of.child)), q, q);
+  joint_position(of, relative_pose(of, pose_of(of.parent), pose_of(of.child)), q, q);
   return q;
 }
 
@@ -248,13 +248,13 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
     Part& part = parts_[b];
     const Twist& V = twists[b];
     const double angle = V.angular.norm() * dt;
-    part.place.p += V.linear * dt;
+    part.pose.p += V.linear * dt;
     if (angle > 0) {
       const Quat turn(Eigen::AngleAxisd(angle, V.angular.normalized()));
-      part.place.q = (turn * part.place.q).normalized();
+      part.pose.q = (turn * part.pose.q).normalized();
     }
     spin = std::max(spin, angle / dt);
-    before_[b].X = to_bt(part.place * part.X_BG);
+    before_[b].X = to_bt(part.pose * part.X_BG);
     part.rigid->setWorldTransform(before_[b].X);
   }
   for (const auto& joint : joints_) {
@@ -302,7 +302,7 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
 
 Pose Engine::pose(int body) const {
   const Part& part = parts_[body];
-  if (!moves(model_->bodies[body])) return part.place;
+  if (!moves(model_->bodies[body])) return part.pose;
   const btTransform& X = part.rigid->getWorldTransform();
   return part.centred ? from_bt(X) : from_bt(X) * part.X_BG.inverse();
 }
@@ -330,9 +330,9 @@ void Engine::set_state(const WorldState& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     Part& part = parts_[b];
     const Body& body = model_->bodies[b];
-    if (!part.rigid || body.kind == BodyKind::fixed) continue;
+    if (!part.rigid || body.kind == BodyKind::static_body) continue;
     const Motion motion = motion_of(part, state.poses[b], state.twists[b]);
-    part.place = state.poses[b];
+    part.pose = state.poses[b];
     set_motion(*part.rigid, body.kind == BodyKind::dynamic ? motion : Motion{motion.X, {}, {}});
     before_[b] = motion;
   }

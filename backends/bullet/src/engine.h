@@ -42,7 +42,7 @@ struct Memory {
 
 class Engine {
  public:
-  /// The scene as it is in `state`. Errors: what Bullet cannot take, with its place.
+  /// The scene as it is in `state`. Errors: what Bullet cannot take, with its source position.
   static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model,
                                                 const OptionsPtr& options, const WorldState& state);
   ~Engine();
@@ -67,7 +67,7 @@ class Engine {
   void get_contacts(std::vector<Contact>& out) const;
 
   /// What continuing needs: poses and velocities, the contact points with their impulses, the
-  /// broadphase's boxes and pairs, and all orders that its solver goes by.
+  /// broadphase's boxes and pairs, and every ordering that the solver depends on.
   std::shared_ptr<const Memory> save() const;
   /// Into an engine that create() has just made: all of it where the memory is of the same model,
   /// else the contacts between bodies that both have.
@@ -79,7 +79,7 @@ class Engine {
     std::unique_ptr<btRigidBody> rigid;
     Pose X_BG;
     bool centred = true;  // X_BG is the identity
-    Pose place;           // of what forces do not move
+    Pose pose;            // of what forces do not move
     btVector3 inertia{0, 0, 0};
   };
 

@@ -22,7 +22,7 @@ struct Engine::FullMemory final : Memory {
     std::vector<std::vector<btManifoldPoint>> manifolds;
   };
   std::vector<Motion> now, before;  ///< by body
-  std::vector<Pose> places;         ///< by body
+  std::vector<Pose> poses;          ///< by body
   std::vector<double> positions;
   std::vector<Boxes> boxes;                         ///< by body
   std::vector<Pair> pairs;                          ///< in Bullet's order
@@ -70,7 +70,7 @@ std::shared_ptr<const Memory> Engine::save() const {
   out->now.resize(parts_.size());
   out->boxes.resize(parts_.size());
   for (std::size_t b = 0; b < parts_.size(); ++b) {
-    out->places.push_back(parts_[b].place);
+    out->poses.push_back(parts_[b].pose);
     if (!parts_[b].rigid) continue;
     out->now[b] = motion(*parts_[b].rigid);
     const btDbvtProxy& proxy = proxy_of(*parts_[b].rigid);
@@ -81,7 +81,7 @@ std::shared_ptr<const Memory> Engine::save() const {
   out->next_clean_up = broadphase_->m_cid;
   out->needs_clean_up = broadphase_->m_needcleanup;
 
-  std::map<const btPersistentManifold*, std::pair<int, int>> place;
+  std::map<const btPersistentManifold*, std::pair<int, int>> index_of;
   const auto& pairs = broadphase_->getOverlappingPairCache()->getOverlappingPairArray();
   for (int i = 0; i < pairs.size(); ++i) {
     FullMemory::Pair pair{body_of(*pairs[i].m_pProxy0),
@@ -89,7 +89,7 @@ std::shared_ptr<const Memory> Engine::save() const {
                           pairs[i].m_algorithm != nullptr,
                           {}};
     for (const btPersistentManifold* manifold : manifolds_of(pairs[i])) {
-      place[manifold] = {i, static_cast<int>(pair.manifolds.size())};
+      index_of[manifold] = {i, static_cast<int>(pair.manifolds.size())};
       auto& points = pair.manifolds.emplace_back();
       for (int k = 0; k < manifold->getNumContacts(); ++k)
         points.push_back(manifold->getContactPoint(k));
@@ -97,8 +97,8 @@ std::shared_ptr<const Memory> Engine::save() const {
     out->pairs.push_back(std::move(pair));
   }
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
-    const auto found = place.find(dispatcher_->getManifoldByIndexInternal(i));
-    if (found != place.end()) out->manifold_order.push_back(found->second);
+    const auto found = index_of.find(dispatcher_->getManifoldByIndexInternal(i));
+    if (found != index_of.end()) out->manifold_order.push_back(found->second);
   }
   return out;
 }
@@ -164,7 +164,7 @@ void Engine::restore(const Memory& saved) {
   const auto& memory = static_cast<const FullMemory&>(saved);
   sound_ = false;
   if (memory.model == model_) {
-    for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].place = memory.places[b];
+    for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].pose = memory.poses[b];
     positions_ = memory.positions;
     restore_broadphase(memory);
   }

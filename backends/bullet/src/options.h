@@ -14,7 +14,7 @@ using OptionsPtr = std::shared_ptr<const Parameters>;
 
 const ParameterTable& world_option_table();
 
-/// Of a scene, complete. Errors: what complete_parameters() finds, with the place of `<physics>`.
+/// Of a scene, complete. Errors: what complete_parameters() finds, with its source position.
 Result<OptionsPtr> read_options(const SceneModel& model);
 
 /// A value of complete options.

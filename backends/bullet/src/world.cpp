@@ -25,8 +25,8 @@ Result<> check_scene(const SceneModel& model) {
       if (!axis_turns(joint.type, static_cast<int>(i))) continue;
       const double start = i < joint.position.size() ? joint.position[i] : 0.0;
       double farthest = 0.0;
-      for (const double way : {axis.upper - axis.lower, axis.upper - start, start - axis.lower}) {
-        if (std::isfinite(way)) farthest = std::max(farthest, way);
+      for (const double range : {axis.upper - axis.lower, axis.upper - start, start - axis.lower}) {
+        if (std::isfinite(range)) farthest = std::max(farthest, range);
       }
       if (farthest <= kWidestLimits) continue;
       return fail("joint '" + joint.name + "': its limits are " + std::to_string(farthest) +
@@ -124,7 +124,7 @@ Result<> BulletWorld::set_state(const WorldState& state) {
   for (std::size_t b = 0; b < placed.poses.size(); ++b) {
     placed.poses[b].q.normalize();
     const Body& body = model()->bodies[b];
-    if (body.kind == BodyKind::fixed && !body.removed) {
+    if (body.kind == BodyKind::static_body && !body.removed) {
       placed.poses[b] = engine_->pose(static_cast<int>(b));
       placed.twists[b] = Twist();
     }

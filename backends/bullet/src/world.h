@@ -17,7 +17,7 @@ class BulletWorld final : public World,
                           public KinematicDrive,
                           public ExternalForces {
  public:
-  /// Errors: a motor without an axis, a shape or joint that Bullet cannot take, with its place.
+  /// Errors, with the source position: a motor without an axis, a shape or joint Bullet cannot take.
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
   const SceneModelPtr& model() const override { return engine_->model(); }

@@ -127,8 +127,8 @@ SceneModelPtr DynamicsWorld::place_static(const SceneModelPtr& next, const World
   std::shared_ptr<SceneModel> moved;
   for (std::size_t b = 0; b < old.bodies.size(); ++b) {
     const Body& body = next->bodies[b];
-    if (body.removed || body.kind != BodyKind::fixed) continue;
-    const Pose& X = old.bodies[b].kind == BodyKind::fixed ? old.bodies[b].X_WB : now.poses[b];
+    if (body.removed || body.kind != BodyKind::static_body) continue;
+    const Pose& X = old.bodies[b].kind == BodyKind::static_body ? old.bodies[b].X_WB : now.poses[b];
     if (X.p == body.X_WB.p && X.q.coeffs() == body.X_WB.q.coeffs()) continue;
     if (!moved) moved = std::make_shared<SceneModel>(*next);
     moved->bodies[b].X_WB = X;
@@ -158,7 +158,7 @@ Result<> DynamicsWorld::rebuild(const SceneModelPtr& next, SceneStep step) {
   try {
     std::vector<int> stopped;
     for (const int b : change->kinds)
-      if (next->bodies[std::size_t(b)].kind == BodyKind::fixed) stopped.push_back(b);
+      if (next->bodies[std::size_t(b)].kind == BodyKind::static_body) stopped.push_back(b);
     attach_inelastically(engine_->mechanism, *next, change->attached, stopped);
     get_state(before);
     const SceneModelPtr placed = place_static(next, before);

@@ -66,16 +66,16 @@ class Writer {
   const SceneModel& scene_;
   std::string assets_, bodies_, contacts_, equalities_, tendons_, actuators_;
   std::vector<int> tree_;                   ///< by body, joint that holds it; -1: none
-  std::vector<int> above_;                  ///< by body, that on which it hangs; kWorld
+  std::vector<int> parent_;                 ///< by body, parent body in the tree; kWorld
   std::vector<std::vector<int>> children_;  ///< by body
-  std::vector<char> apart_;  ///< by body that does not move: it is a body of MuJoCo's none the less
+  std::vector<char> own_mujoco_body_;       ///< by static body: MuJoCo has it as a body
   std::vector<SurfaceGeom> surface_geoms_;
 };
 
 Result<> Writer::check() const {
   if (auto fine = check_motors(scene_); !fine) return fine;
   for (const Body& b : scene_.bodies) {
-    if (b.removed || b.kind == BodyKind::fixed) continue;
+    if (b.removed || b.kind == BodyKind::static_body) continue;
     for (const Shape& shape : b.shapes)
       if (shape.collides && is_surface(shape.type))
         return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
@@ -88,15 +88,15 @@ Result<> Writer::check() const {
 
 Result<> Writer::check_loop(const Joint& joint) const {
   const std::string name = "joint '" + joint.name + "': ";
-  const SourcePosition place = source_position(scene_, joint.origin);
-  const char* const way_out =
+  const SourcePosition position = source_position(scene_, joint.origin);
+  const char* const remedy =
       "let another joint of the loop be the last one in the file, or attach by a plain hinge, ball "
       "or fixed joint";
   if (joint.type != JointType::hinge && joint.type != JointType::ball &&
       joint.type != JointType::fixed) {
     return fail(name + "MuJoCo closes no loop with a " + to_string(joint.type) +
                     " joint, and attaches no bodies by one",
-                place, way_out);
+                position, remedy);
   }
   const bool lawless = std::all_of(joint.axes.begin(), joint.axes.end(), [](const JointAxis& a) {
     return !a.has_limit() && a.damping == 0 && a.friction == 0 && a.stiffness == 0;
@@ -108,12 +108,12 @@ Result<> Writer::check_loop(const Joint& joint) const {
   return fail(
       name + "it closes a loop or attaches bodies to each other: MuJoCo's constraints for that " +
           "have no limits, springs, dampers, friction or motors",
-      place, way_out);
+      position, remedy);
 }
 
 void Writer::grow_trees() {
   tree_.assign(size(), -1);
-  above_.assign(size(), kWorld);
+  parent_.assign(size(), kWorld);
   children_.assign(size(), {});
   std::vector<std::vector<int>> joints(size() + 1);  // by body; the world is the last
   const auto at = [&](int b) { return b == kWorld ? size() : static_cast<std::size_t>(b); };
@@ -135,7 +135,7 @@ void Writer::grow_trees() {
         if (reached[at(to)]) continue;
         reached[at(to)] = 1;
         tree_[at(to)] = j;
-        above_[at(to)] = from;
+        parent_[at(to)] = from;
         rim.push_back(to);
       }
     }
@@ -154,10 +154,10 @@ void Writer::grow_trees() {
   }
   for (std::size_t b = 0; b < size(); ++b) {
     if (tree_[b] < 0) continue;
-    if (above_[b] != kWorld) children_[above_[b]].push_back(static_cast<int>(b));
-    TreeJoint& place = out_.joints[tree_[b]];
-    place.body = 0;  // known when it is compiled
-    place.reversed = joint(tree_[b]).parent == static_cast<int>(b);
+    if (parent_[b] != kWorld) children_[parent_[b]].push_back(static_cast<int>(b));
+    TreeJoint& in_tree = out_.joints[tree_[b]];
+    in_tree.body = 0;  // known when it is compiled
+    in_tree.reversed = joint(tree_[b]).parent == static_cast<int>(b);
   }
 }
 
@@ -170,12 +170,12 @@ void Writer::find_exclusions() {
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  apart_.assign(size(), 0);
-  for (std::size_t b = 0; b < size(); ++b) apart_[b] = !children_[b].empty();
+  own_mujoco_body_.assign(size(), 0);
+  for (std::size_t b = 0; b < size(); ++b) own_mujoco_body_[b] = !children_[b].empty();
   for (const auto& [a, b] : pairs) {
     if (body(a).removed || body(b).removed || filter.collide(a, b)) continue;
     if (grounded(a) && grounded(b)) continue;  // by contype and conaffinity
-    apart_[a] = apart_[b] = 1;
+    own_mujoco_body_[a] = own_mujoco_body_[b] = 1;
     contacts_ += fmt::format("<exclude body1=\"b{}\" body2=\"b{}\"/>\n", a, b);
   }
 }
@@ -278,9 +278,9 @@ Result<> Writer::write_geoms(int b, const Pose& X_WB) {
 
 void Writer::write_joint(int j) {
   const Joint& it = joint(j);
-  TreeJoint& place = out_.joints[j];
+  TreeJoint& in_tree = out_.joints[j];
   const Reference& at = out_.references[j];
-  const bool back = place.reversed;
+  const bool back = in_tree.reversed;
   // Of the moved body's joint frame N, that of M or of F, and of the other one in it.
   const Pose& X_BN = back ? it.X_PF : it.X_CM;
   const bool ball = it.type == JointType::ball;
@@ -337,7 +337,7 @@ void Writer::write_joint(int j) {
     const Axis& axis = axes[i];
     const bool slave = it.type == JointType::screw && i == 1;
     const double slope = it.pitch / (2.0 * kPi);
-    if (!slave) place.axis[axis.coordinate] = static_cast<int>(i);
+    if (!slave) in_tree.axis[axis.coordinate] = static_cast<int>(i);
     bodies_ += fmt::format("<joint name=\"j{}_{}\" type=\"{}\" pos=\"{}\" ", j, i, axis.type,
                            text(anchor));
     if (!ball) {
@@ -364,22 +364,22 @@ void Writer::write_joint(int j) {
 Result<> Writer::write_body(int b) {
   const auto i = static_cast<std::size_t>(b);
   const Body& it = body(b);
-  Pose X = it.kind == BodyKind::fixed ? out_.places[i] : it.X_WB;
+  Pose X = it.kind == BodyKind::static_body ? out_.static_poses[i] : it.X_WB;
   if (tree_[i] >= 0) {
     const Reference& at = out_.references[tree_[i]];
     X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();
-    if (above_[i] != kWorld) X.p -= origin(above_[i]);
+    if (parent_[i] != kWorld) X.p -= origin(parent_[i]);
   }
-  if (it.kind == BodyKind::fixed && !apart_[i]) return write_geoms(b, X);
+  if (it.kind == BodyKind::static_body && !own_mujoco_body_[i]) return write_geoms(b, X);
   X.p += X.q * origin(b);
   if (is_far(X)) X = Pose();  // about to diverge: the step reports it
   bodies_ += fmt::format("<body name=\"b{}\" pos=\"{}\" quat=\"{}\">\n", b, text(X.p), text(X.q));
   if (tree_[i] >= 0) {
     write_joint(tree_[i]);
-  } else if (it.kind != BodyKind::fixed) {
+  } else if (it.kind != BodyKind::static_body) {
     bodies_ += fmt::format("<freejoint name=\"f{}\"/>\n", b);
   }
-  if (it.kind != BodyKind::fixed) bodies_ += inertial(b);
+  if (it.kind != BodyKind::static_body) bodies_ += inertial(b);
   if (auto written = write_geoms(b, {Vec3(-origin(b)), Quat(1, 0, 0, 0)}); !written) return written;
   for (const int child : children_[i])
     if (auto written = write_body(child); !written) return written;
@@ -437,13 +437,13 @@ void Writer::write_actuators() {
   for (std::size_t m = 0; m < scene_.motors.size(); ++m) {
     const Motor& motor = scene_.motors[m];
     if (motor.removed || joint(motor.joint).removed) continue;
-    const TreeJoint& place = out_.joints[motor.joint];
-    if (place.body < 0) continue;  // both its bodies are part of the ground
+    const TreeJoint& in_tree = out_.joints[motor.joint];
+    if (in_tree.body < 0) continue;  // both its bodies are part of the ground
     // Gains and bounds are given in every step.
     actuators_ += fmt::format(
         "<general joint=\"j{}_{}\" biastype=\"affine\" forcelimited=\"true\" forcerange=\"-1 "
         "1\"/>\n",
-        motor.joint, place.axis[motor.axis]);
+        motor.joint, in_tree.axis[motor.axis]);
     out_.actuators[m] = count++;
   }
 }
@@ -462,7 +462,7 @@ Result<std::string> Writer::write() {
     const Body& it = scene_.bodies[b];
     if (it.removed) continue;
     out_.other_weights = out_.other_weights || it.gravity_scale != 1.0;
-    if (above_[b] != kWorld) continue;
+    if (parent_[b] != kWorld) continue;
     if (auto written = write_body(static_cast<int>(b)); !written)
       return tl::unexpected(written.error());
     if (it.kind == BodyKind::kinematic) out_.kinematic.push_back(static_cast<int>(b));

@@ -82,16 +82,16 @@ const ParameterTable& world_option_table() {
 Result<Options> read_options(const SceneModel& model) {
   const auto options = physics_options(model, "mujoco", world_option_table());
   if (!options) return tl::unexpected(options.error());
-  const SourcePosition place = source_position(model, model.physics.origin);
+  const SourcePosition position = source_position(model, model.physics.origin);
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };
   for (const std::string about : {"", "limit", "friction", "equality"}) {
     if (!fits_solref(std::get<Numbers>(options->at("solref" + about)))) {
       return fail("'solref" + about + "' must be two numbers, both positive (timeconst, " +
                       "dampratio) or both not positive (-stiffness, -damping)",
-                  place);
+                  position);
     }
     if (std::get<Numbers>(options->at("solimp" + about)).size() != 5)
-      return fail("'solimp" + about + "' must be five numbers", place);
+      return fail("'solimp" + about + "' must be five numbers", position);
   }
   Options out;
   out.option =

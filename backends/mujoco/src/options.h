@@ -21,7 +21,7 @@ struct Options {
   std::string equality;  ///< attributes of equalities
 };
 
-/// Errors: what complete_parameters() finds; lists of another length or of mixed signs; with place.
+/// Errors, with source position: of complete_parameters(); lists of wrong length or mixed signs.
 Result<Options> read_options(const SceneModel& model);
 
 /// The shortest text that is read back as the same numbers.

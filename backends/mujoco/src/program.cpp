@@ -13,7 +13,7 @@ namespace cogrsim::mujoco {
 
 namespace {
 
-void find_places(Program& out) {
+void find_indices(Program& out) {
   const SceneModel& scene = *out.scene;
   const mjModel& m = *out.model;
   const auto id = [&](int kind, const std::string& name) {
@@ -39,14 +39,14 @@ void find_places(Program& out) {
   for (std::size_t g = 0; g < written.size(); ++g)
     out.geoms[static_cast<std::size_t>(id(mjOBJ_GEOM, fmt::format("g{}", g)))] = written[g];
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    TreeJoint& place = out.joints[j];
+    TreeJoint& in_tree = out.joints[j];
     const Joint& joint = scene.joints[j];
-    if (place.body < 0) continue;
-    place.body = out.bodies[place.reversed ? joint.parent : joint.child];
-    place.joint = id(mjOBJ_JOINT, fmt::format("j{}_0", j));
-    if (place.joint < 0) continue;
-    place.qpos = m.jnt_qposadr[place.joint];
-    place.dof = m.jnt_dofadr[place.joint];
+    if (in_tree.body < 0) continue;
+    in_tree.body = out.bodies[in_tree.reversed ? joint.parent : joint.child];
+    in_tree.joint = id(mjOBJ_JOINT, fmt::format("j{}_0", j));
+    if (in_tree.joint < 0) continue;
+    in_tree.qpos = m.jnt_qposadr[in_tree.joint];
+    in_tree.dof = m.jnt_dofadr[in_tree.joint];
   }
 }
 
@@ -56,9 +56,9 @@ void complete_model(Program& out) {
   mjModel& m = *out.model;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
-    const TreeJoint& place = out.joints[j];
-    for (std::size_t i = 0; place.joint >= 0 && i < joint.axes.size(); ++i) {
-      double* const range = m.jnt_range + 2 * (place.joint + place.axis[i]);
+    const TreeJoint& in_tree = out.joints[j];
+    for (std::size_t i = 0; in_tree.joint >= 0 && i < joint.axes.size(); ++i) {
+      double* const range = m.jnt_range + 2 * (in_tree.joint + in_tree.axis[i]);
       range[0] = joint.type == JointType::ball ? 0.0 : joint.axes[i].lower;
       range[1] = joint.axes[i].upper;
     }
@@ -145,7 +145,7 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
   }
   for (const int j : attached) references[j].attached = true;
   out->references = std::move(references);
-  out->places = std::move(poses);
+  out->static_poses = std::move(poses);
   auto options = read_options(*scene);
   if (!options) return tl::unexpected(options.error());
   out->options = *options;
@@ -157,7 +157,7 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
     return tl::unexpected(model.error());
   }
   out->model = std::move(*model);
-  find_places(*out);
+  find_indices(*out);
   complete_model(*out);
   share_gains(*out);
   return ProgramPtr(std::move(out));

@@ -36,7 +36,7 @@ struct Program {
   SceneModelPtr scene;
   Options options;
   std::vector<Reference> references;  ///< by joint
-  std::vector<Pose> places;           ///< by body, of static ones
+  std::vector<Pose> static_poses;     ///< by body, of static ones
   ModelOwner model;                   ///< as it came from the compiler; never stepped
   std::vector<int> bodies;            ///< MuJoCo's, by body; 0: a part of the world; -1: not there
   std::vector<int> owners;            ///< the other way round; -1: the world
@@ -60,8 +60,8 @@ using ProgramPtr = std::shared_ptr<const Program>;
 Result<std::string> write_mjcf(Program& program);
 
 /// `poses`: of all bodies now; `references`: of the joints that were there before; `attached`: new
-/// joints between bodies that were. Errors: what MuJoCo cannot have, with its place, and what its
-/// compiler says.
+/// joints between bodies that were. Errors: what MuJoCo cannot have, with its source position,
+/// and what its compiler says.
 Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> poses,
                                 std::vector<Reference> references,
                                 const std::vector<int>& attached);

@@ -24,7 +24,7 @@ int clamped(double value) { return static_cast<int>(std::min(value, 2e9)); }
 WorldState with_new(const SceneModel& scene, std::size_t joints, const WorldState& now) {
   WorldState out = extended_state(scene, now);
   for (std::size_t b = now.poses.size(); b < scene.bodies.size(); ++b)
-    if (scene.bodies[b].kind == BodyKind::fixed) out.twists[b] = {};
+    if (scene.bodies[b].kind == BodyKind::static_body) out.twists[b] = {};
   for (std::size_t j = joints; j < scene.joints.size(); ++j) {
     double* const q = out.joint_positions.data() + scene.joints[j].position_offset;
     std::transform(q, q + position_count(scene.joints[j].type), q, settled);
@@ -172,8 +172,8 @@ void MujocoWorld::find_responses() {
 
 void MujocoWorld::apply_forces() {
   const bool none = external_.empty() && !program_->other_weights;
-  if (none && !pushed_) return;
-  pushed_ = !none;
+  if (none && !has_external_forces_) return;
+  has_external_forces_ = !none;
   const Vec3 gravity = vec_at(model_->opt.gravity);
   for (std::size_t b = 0; b < model()->bodies.size(); ++b) {
     const Body& it = model()->bodies[b];

@@ -82,11 +82,11 @@ class MujocoWorld final : public World,
   DataOwner data_;
   double contact_room_ = 1.0, stack_room_ = 1.0;
   double time_ = 0.0;
-  Coordinates before_;             ///< the last step
-  std::vector<double> responses_;  ///< by actuator, what a unit of effort gives its axis
-  bool pushed_ = false;            ///< xfrc_applied has forces on bodies
-  bool stepped_ = false;           ///< mjData holds what the last step found
-  bool unchecked_ = true;          ///< its coordinates did not come from a step
+  Coordinates before_;                ///< the last step
+  std::vector<double> responses_;     ///< by actuator, what a unit of effort gives its axis
+  bool has_external_forces_ = false;  ///< xfrc_applied has forces on bodies
+  bool stepped_ = false;              ///< mjData holds what the last step found
+  bool unchecked_ = true;             ///< its coordinates did not come from a step
   mutable Kinematics kinematics_ = Kinematics::none;
   mutable std::vector<double> scratch_;
   std::vector<Twist> kinematic_;  ///< by body, as set

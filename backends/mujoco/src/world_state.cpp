@@ -56,7 +56,7 @@ Pose MujocoWorld::pose_of(int body) const {
   if (body == kWorld) return {};
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.poses[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return kept_.poses[b];
   const Quat q = quat_at(data_->xquat + 4 * i);
   return {vec_at(data_->xpos + 3 * i) - q * program_->origins[b], q};
 }
@@ -65,7 +65,7 @@ Twist MujocoWorld::twist_of(int body) const {
   if (body == kWorld) return {};
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::fixed) return kept_.twists[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return kept_.twists[b];
   if (const int dof = program_->free_dof[b]; dof >= 0) {
     const Quat q = quat_at(data_->xquat + 4 * i);
     const Twist V{vec_at(data_->qvel + dof), q * vec_at(data_->qvel + dof + 3)};
@@ -79,34 +79,34 @@ Twist MujocoWorld::twist_of(int body) const {
 
 void MujocoWorld::read_tree_joint(std::size_t j, double* q, double* u) const {
   const Joint& joint = program_->scene->joints[j];
-  const TreeJoint& place = program_->joints[j];
-  const double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  const TreeJoint& in_tree = program_->joints[j];
+  const double *qpos = data_->qpos + in_tree.qpos, *qvel = data_->qvel + in_tree.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      q[i] = qpos[place.axis[i]];
-      u[i] = qvel[place.axis[i]];
+      q[i] = qpos[in_tree.axis[i]];
+      u[i] = qvel[in_tree.axis[i]];
     }
     return;
   }
   // MuJoCo's turn of the moved body and rate, both in the moved body's axes.
   const Quat turn = quat_at(qpos).normalized();
-  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat& q_BN = in_tree.reversed ? joint.X_PF.q : joint.X_CM.q;
   const Quat in_N = q_BN.conjugate() * turn * q_BN;
   const Vec3 rate = q_BN.conjugate() * vec_at(qvel);
-  put(q, place.reversed ? Quat(in_N.conjugate()) : in_N);
-  const Vec3 in_F = place.reversed ? Vec3(-rate) : Vec3(in_N * rate);
+  put(q, in_tree.reversed ? Quat(in_N.conjugate()) : in_N);
+  const Vec3 in_F = in_tree.reversed ? Vec3(-rate) : Vec3(in_N * rate);
   std::copy_n(in_F.data(), 3, u);
 }
 
 void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
   const Joint& joint = program_->scene->joints[j];
-  const TreeJoint& place = program_->joints[j];
-  if (place.joint < 0) return;
-  double *qpos = data_->qpos + place.qpos, *qvel = data_->qvel + place.dof;
+  const TreeJoint& in_tree = program_->joints[j];
+  if (in_tree.joint < 0) return;
+  double *qpos = data_->qpos + in_tree.qpos, *qvel = data_->qvel + in_tree.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      qpos[place.axis[i]] = q[i];
-      qvel[place.axis[i]] = u[i];
+      qpos[in_tree.axis[i]] = q[i];
+      qvel[in_tree.axis[i]] = u[i];
     }
     if (joint.type == JointType::screw) {
       qpos[1] = joint.pitch / (2.0 * kPi) * q[0];
@@ -115,10 +115,11 @@ void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
     return;
   }
   const Quat q_FM = quat_at(q).normalized();
-  const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
-  const Quat in_N = place.reversed ? Quat(q_FM.conjugate()) : q_FM;
+  const Quat& q_BN = in_tree.reversed ? joint.X_PF.q : joint.X_CM.q;
+  const Quat in_N = in_tree.reversed ? Quat(q_FM.conjugate()) : q_FM;
   put(qpos, q_BN * in_N * q_BN.conjugate());
-  put(qvel, Vec3(q_BN * (place.reversed ? Vec3(-vec_at(u)) : Vec3(q_FM.conjugate() * vec_at(u)))));
+  put(qvel,
+      Vec3(q_BN * (in_tree.reversed ? Vec3(-vec_at(u)) : Vec3(q_FM.conjugate() * vec_at(u)))));
 }
 
 void MujocoWorld::put_free(std::size_t b, const Pose& X, const Twist& V) {
@@ -210,21 +211,22 @@ void MujocoWorld::read_efforts(WorldState& out) const {
   for (int i = 0; i < m.nv; ++i) effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i];
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
-    const TreeJoint& place = program_->joints[j];
-    if (place.joint < 0) continue;
+    const TreeJoint& in_tree = program_->joints[j];
+    if (in_tree.joint < 0) continue;
     double* const to = out.joint_efforts.data() + joint.speed_offset;
-    const auto dof = static_cast<std::size_t>(place.dof);
+    const auto dof = static_cast<std::size_t>(in_tree.dof);
     if (joint.type == JointType::ball) {
-      const Quat& q_BN = place.reversed ? joint.X_PF.q : joint.X_CM.q;
+      const Quat& q_BN = in_tree.reversed ? joint.X_PF.q : joint.X_CM.q;
       const Vec3 in_N = q_BN.conjugate() * vec_at(effort.data() + dof);
       const Vec3 in_F =
-          place.reversed ? Vec3(-in_N)
-                         : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
+          in_tree.reversed
+              ? Vec3(-in_N)
+              : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
       std::copy_n(in_F.data(), 3, to);
       continue;
     }
     for (int i = 0; i < speed_count(joint.type); ++i)
-      to[i] = effort[dof + static_cast<std::size_t>(place.axis[i])];
+      to[i] = effort[dof + static_cast<std::size_t>(in_tree.axis[i])];
     if (joint.type == JointType::screw) to[0] += joint.pitch / (2.0 * kPi) * effort[dof + 1];
   }
 }
@@ -282,12 +284,12 @@ void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   mj_rnePostConstraint(m, d);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
-    const TreeJoint& place = program_->joints[j];
-    if (place.body <= 0) continue;
-    const double* const wrench = d->cfrc_int + 6 * place.body;
-    const Vec3 centre = vec_at(d->subtree_com + 3 * m->body_rootid[place.body]);
+    const TreeJoint& in_tree = program_->joints[j];
+    if (in_tree.body <= 0) continue;
+    const double* const wrench = d->cfrc_int + 6 * in_tree.body;
+    const Vec3 centre = vec_at(d->subtree_com + 3 * m->body_rootid[in_tree.body]);
     const Vec3 M = pose_of(joint.child) * joint.X_CM.p, force = vec_at(wrench + 3);
-    const double sign = place.reversed ? -1.0 : 1.0;
+    const double sign = in_tree.reversed ? -1.0 : 1.0;
     out[j] = {sign * force, sign * (vec_at(wrench) + (centre - M).cross(force))};
   }
 }

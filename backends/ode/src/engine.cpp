@@ -86,7 +86,7 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
 
 Result<> Engine::add_body(std::size_t b) {
   const Body& body = model_->bodies[b];
-  if (body.removed || body.kind == BodyKind::fixed) return {};
+  if (body.removed || body.kind == BodyKind::static_body) return {};
   try {
     bodies_[b].create(world_, body);
   } catch (const EngineError& error) {

@@ -21,7 +21,7 @@ namespace cogrsim::ode {
 class Engine {
  public:
   /// The scene at its start, but for static bodies, which are where `poses` has them. Errors: a
-  /// body, shape or joint that ODE does not take, with its place. Throws EngineError.
+  /// body, shape or joint that ODE does not take, with its source position. Throws EngineError.
   static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const Options& options,
                                               const std::vector<Pose>& poses, ShapeData& shapes);
   ~Engine();

@@ -17,7 +17,7 @@ struct Options {
 
 const ParameterTable& world_option_table();
 
-/// Those of the model, completed by the defaults. Errors: as complete_parameters(), with the place.
+/// Those of the model and the defaults. Errors: as complete_parameters(), with its source position.
 Result<Options> read_options(const SceneModel& model);
 
 }  // namespace cogrsim::ode

@@ -21,7 +21,7 @@ void OdeWorld::Progress::add_start(std::size_t first_joint) {
   for (std::size_t b = poses.size(); b < model->bodies.size(); ++b) {
     const Body& body = model->bodies[b];
     poses.push_back(body.X_WB);
-    twists.push_back(body.kind == BodyKind::fixed ? Twist() : body.V_WB);
+    twists.push_back(body.kind == BodyKind::static_body ? Twist() : body.V_WB);
   }
   for (std::size_t j = first_joint; j < model->joints.size(); ++j) {
     const std::vector<double>& position = model->joints[j].position;

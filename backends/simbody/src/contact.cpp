@@ -17,7 +17,7 @@ GeneralContact::GeneralContact(const Mechanism& mechanism, const Options& option
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     motions_.emplace_back().index = mechanism.mobod(int(b)).getMobilizedBodyIndex();
     if (mechanism.body_link(int(b)) < 0 && !model.bodies[b].removed)
-      detector_.set_pose(int(b), dynamics::Placement(mechanism.places()[b]), 0.0);
+      detector_.set_pose(int(b), dynamics::Placement(mechanism.static_poses()[b]), 0.0);
   }
 }
 
@@ -53,10 +53,10 @@ SimTK::SpatialVec GeneralContact::push(const dynamics::ContactPoint& point) cons
   const Motion &A = motions_[a.body], &B = motions_[b.body];
   const SimTK::Vec3 n = to_simtk(point.normal), at = to_simtk(point.point);
   const SimTK::Vec3 v = B.V[1] + B.V[0] % (at - B.p) - A.V[1] - A.V[0] % (at - A.p);
-  const double apart = SimTK::dot(v, n);
-  const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * apart);
+  const double separation_speed = SimTK::dot(v, n);
+  const double f = stiffness(a, b) * -point.gap * (1.0 - between.c * separation_speed);
   if (point.gap >= 0.0 || f <= 0.0) return SimTK::SpatialVec(SimTK::Vec3(0));
-  const SimTK::Vec3 slip = v - apart * n + to_simtk(detector_.surface_velocity(point));
+  const SimTK::Vec3 slip = v - separation_speed * n + to_simtk(detector_.surface_velocity(point));
   // Against a speed or spin s: bound f min(s / v_t, 1) along s / |s|; nothing is divided by zero.
   const auto resist = [&](double bound, const SimTK::Vec3& rate) {
     return -bound * f / std::max(rate.norm(), options_.transition_velocity) * rate;

@@ -75,7 +75,7 @@ void mobilize(const Joint& joint, SimTK::MobilizedBody inboard, const Pose* anch
 }  // namespace
 
 bool Mechanism::is_ground(int body) const {
-  return body == kWorld || model_->bodies[body].kind == BodyKind::fixed;
+  return body == kWorld || model_->bodies[body].kind == BodyKind::static_body;
 }
 bool Mechanism::is_dynamic(int body) const {
   return body != kWorld && model_->bodies[body].kind == BodyKind::dynamic;
@@ -87,9 +87,9 @@ const SimTK::MobilizedBody& Mechanism::mobod(int body) const {
                   : links_[link].mobod;
 }
 
-Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> places, const Options& options)
+Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> static_poses, const Options& options)
     : model_(std::move(model)),
-      places_(std::move(places)),
+      static_poses_(std::move(static_poses)),
       options_(options),
       body_links_(model_->bodies.size(), -1),
       joint_links_(model_->joints.size(), -1) {
@@ -133,7 +133,7 @@ void Mechanism::plan() {
   const auto body_name = [](int b) { return b < 0 ? std::string("ground") : std::to_string(b); };
   graph.addBody("ground", 0.0, false);
 
-  // The first body of what hangs together, and does not hang on the ground, moves freely.
+  // Of a connected set of bodies without a joint to the ground, the first one moves freely.
   const int count = int(model_->bodies.size());
   std::vector<int> root(model_->bodies.size() + 1);  // the last: all that no force moves
   std::iota(root.begin(), root.end(), 0);
@@ -150,7 +150,7 @@ void Mechanism::plan() {
   }
   for (int b = 0; b < count; ++b) {
     const Body& body = model_->bodies[b];
-    if (body.removed || body.kind == BodyKind::fixed) continue;
+    if (body.removed || body.kind == BodyKind::static_body) continue;
     const bool base = body.kind == BodyKind::kinematic || find(b) == b;
     graph.addBody(body_name(b), base && body.kind == BodyKind::kinematic ? 1.0 : body.mass, base,
                   const_cast<Body*>(&body));
@@ -232,7 +232,7 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
   const bool on_ground = inboard_link < 0;
   const MobilizedBody inboard =
       on_ground ? MobilizedBody(matter.Ground()) : links_[inboard_link].mobod;
-  const Pose* const place = on_ground && anchor >= 0 ? &places_[anchor] : nullptr;
+  const Pose* const place = on_ground && anchor >= 0 ? &static_poses_[anchor] : nullptr;
   mobilize(joint, inboard, place, rigid, link);
   add_axes(joint, link);
   links_.push_back(link);
@@ -302,7 +302,7 @@ void Mechanism::set_stops(SimTK::State& state) {
 Pose Mechanism::pose(const SimTK::State& state, int body) const {
   if (body == kWorld) return {};
   const int link = body_link(body);
-  if (link < 0) return places_[body];
+  if (link < 0) return static_poses_[body];
   return from_simtk(links_[link].mobod.getBodyTransform(state));
 }
 

@@ -44,15 +44,15 @@ struct AxisForces {
 
 class Mechanism {
  public:
-  /// `places` has the poses of static bodies. Throws what Simbody throws.
-  Mechanism(SceneModelPtr model, std::vector<Pose> places, const Options& options);
+  /// `static_poses` has the poses of static bodies. Throws what Simbody throws.
+  Mechanism(SceneModelPtr model, std::vector<Pose> static_poses, const Options& options);
 
   SimTK::MultibodySystem system;
   SimTK::SimbodyMatterSubsystem matter{system};
   SimTK::GeneralForceSubsystem forces{system};
 
   const SceneModel& model() const { return *model_; }
-  const std::vector<Pose>& places() const { return places_; }
+  const std::vector<Pose>& static_poses() const { return static_poses_; }
   const std::vector<Link>& links() const { return links_; }
   /// -1: the ground.
   int body_link(int body) const { return body < 0 ? -1 : body_links_[body]; }
@@ -96,7 +96,7 @@ class Mechanism {
 
   SimTK::Force::DiscreteForces external_{forces, matter};
   SceneModelPtr model_;
-  std::vector<Pose> places_;
+  std::vector<Pose> static_poses_;
   Options options_;
   std::vector<Link> links_;
   std::vector<int> body_links_, joint_links_;

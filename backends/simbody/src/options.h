@@ -24,7 +24,7 @@ struct Options {
 };
 
 Options options_from(const Parameters& complete);
-/// Errors: what complete_parameters() finds, with place.
+/// Errors: what complete_parameters() finds, with its source position.
 Result<Options> read_options(const SceneModel& model);
 
 /// The integrator's class as Simbody calls it.

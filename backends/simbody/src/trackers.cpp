@@ -101,7 +101,7 @@ void TrackerContact::add(Mechanism& mechanism, const Options& options, int body,
                        : dissipation_of(material.restitution, options.impact_speed);
   constexpr double kThickness = 0.01;  // [m], of meshes' elastic layer
   SimTK::Transform X = frame_of(shape);
-  if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.places()[body]) * X;
+  if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.static_poses()[body]) * X;
   surface.ordinal =
       mechanism.matter.updMobilizedBody(surface.mobod)
           .updBody()

@@ -24,11 +24,11 @@ double stop_effort(const AxisForces& axis, double d, double q, double u) {
 
 }  // namespace
 
-SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& options)
-    : places(std::move(poses)), mechanism(std::move(model), *places, options), drives(mechanism) {
+SimbodyWorld::Engine::Engine(SceneModelPtr model, StaticPoses poses, const Options& options)
+    : static_poses(std::move(poses)), mechanism(std::move(model), *static_poses, options) {
   const auto& bodies = mechanism.model().bodies;
   const bool touches = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
-    return !body.removed && body.kind != BodyKind::fixed &&
+    return !body.removed && body.kind != BodyKind::static_body &&
            std::any_of(body.shapes.begin(), body.shapes.end(),
                        [](const Shape& shape) { return shape.collides; });
   });
@@ -44,7 +44,7 @@ SimbodyWorld::Engine::Engine(SceneModelPtr model, Places poses, const Options& o
 
 SimbodyWorld::SimbodyWorld(SceneModelPtr model, const Options& options)
     : initial_(std::move(model)), options_(options) {
-  initial_places_ = std::make_shared<const std::vector<Pose>>(initial_state(*initial_).poses);
+  initial_static_poses_ = std::make_shared<const std::vector<Pose>>(initial_state(*initial_).poses);
   start();
 }
 
@@ -61,7 +61,7 @@ Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) 
 }
 
 void SimbodyWorld::start() {
-  auto engine = std::make_shared<Engine>(initial_, initial_places_, options_);
+  auto engine = std::make_shared<Engine>(initial_, initial_static_poses_, options_);
   integrator_.reset();
   engine_ = std::move(engine);
   model_ = initial_;
@@ -111,9 +111,9 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     if (!integrator_) start_integrator(dt);
     SimTK::State& now = integrator_->updAdvancedState();
     engine.mechanism.system.realize(now, SimTK::Stage::Velocity);
-    const bool pushed = !external_.empty() || pushed_;
+    const bool pushed = !external_.empty() || has_external_forces_;
     if (pushed) engine.mechanism.set_external(now, external_);
-    pushed_ = !external_.empty();
+    has_external_forces_ = !external_.empty();
     if (!engine.drives.empty()) engine.drives.set(now, dt, drives);
     if (!engine.drives.empty() || pushed) integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     run_integrator(start + dt);

@@ -48,15 +48,15 @@ class SimbodyWorld final : public World,
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
  private:
-  bool pushed_ = false;  ///< the state has forces from outside
+  bool has_external_forces_ = false;  ///< the state has external forces
   struct Snapshot;
-  using Places = std::shared_ptr<const std::vector<Pose>>;  ///< of static bodies, by body
+  using StaticPoses = std::shared_ptr<const std::vector<Pose>>;  ///< of static bodies, by body
   /// Simbody's system with all that was added to it. It stays where it is: the system refers to it.
   struct Engine {
-    Engine(SceneModelPtr model, Places poses, const Options& options);
-    Places places;
+    Engine(SceneModelPtr model, StaticPoses poses, const Options& options);
+    StaticPoses static_poses;
     Mechanism mechanism;
-    Drives drives;
+    Drives drives{mechanism};
     GeneralContact* contact = nullptr;  ///< owned by the force subsystem
     std::unique_ptr<TrackerContact> trackers;
     SimTK::State start;
@@ -80,11 +80,11 @@ class SimbodyWorld final : public World,
 
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
   void carry_over(const Mechanism& old, const SimTK::State& old_state,
-                  const std::vector<int>& sudden);
-  void take_impact(SimTK::State& state, const std::vector<int>& sudden);
+                  const std::vector<int>& inelastic);
+  void take_impact(SimTK::State& state, const std::vector<int>& inelastic);
 
   SceneModelPtr initial_, model_;
-  Places initial_places_;
+  StaticPoses initial_static_poses_;
   Options options_;
   std::shared_ptr<Engine> engine_;
   std::unique_ptr<SimTK::Integrator> integrator_;  ///< none: before the first step, after changes

@@ -16,16 +16,16 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   WorldState before;
   get_state(before);
   const auto pose = [&](int b) { return b < 0 ? Pose() : before.poses[b]; };
-  // What takes an impact: a joint that is suddenly there, a body that is suddenly held.
-  std::vector<int> sudden;
+  // Bodies with an inelastic impact: of a new joint, or made static.
+  std::vector<int> inelastic;
   if (auto fits = check_attachments(*next, *change, pose); !fits) return fits;
   for (const int j : change->attached)
-    sudden.insert(sudden.end(), {next->joints[j].parent, next->joints[j].child});
+    inelastic.insert(inelastic.end(), {next->joints[j].parent, next->joints[j].child});
   for (const int b : change->kinds) {
     before.twists[b] = {};
     for (const Joint& joint : next->joints)
       if (!joint.removed && (joint.parent == b || joint.child == b))
-        sudden.insert(sudden.end(), {joint.parent, joint.child});
+        inelastic.insert(inelastic.end(), {joint.parent, joint.child});
   }
   StepReport report = this->report();
   const std::shared_ptr<Engine> old = engine_;
@@ -38,7 +38,7 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
     last_seen_ = extended_state(*next, before);
     engine_ = std::make_shared<Engine>(
         next, std::make_shared<const std::vector<Pose>>(last_seen_.poses), options_);
-    carry_over(old->mechanism, old_state, sudden);
+    carry_over(old->mechanism, old_state, inelastic);
   } catch (const std::exception& e) {
     engine_ = old;
     model_ = old_model;
@@ -53,13 +53,13 @@ Result<> SimbodyWorld::change_to(const SceneModelPtr& next, SceneStep step) {
 }
 
 void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_state,
-                              const std::vector<int>& sudden) {
+                              const std::vector<int>& inelastic) {
   const Mechanism& m = engine_->mechanism;
   const SceneModel& was = old.model();
   const WorldState& seen = last_seen_;
   SimTK::State next = engine_->start;
   next.updTime() = old_state.getTime();
-  bool same_loops = old.has_loops() == m.has_loops() && sudden.empty();
+  bool same_loops = old.has_loops() == m.has_loops() && inelastic.empty();
   for (const Link& link : m.links()) {
     const auto body = std::size_t(link.body);
     if (body >= was.bodies.size()) continue;  // as the scene has it
@@ -86,17 +86,17 @@ void SimbodyWorld::carry_over(const Mechanism& old, const SimTK::State& old_stat
     m.set_joint(next, link, q, u);
   }
   m.set_rates(next);
-  if (!sudden.empty()) take_impact(next, sudden);
+  if (!inelastic.empty()) take_impact(next, inelastic);
   if (!same_loops && m.has_loops()) m.project(next);
   m.system.realize(next, SimTK::Stage::Velocity);
   state_ = next;
 }
 
-void SimbodyWorld::take_impact(SimTK::State& state, const std::vector<int>& sudden) {
+void SimbodyWorld::take_impact(SimTK::State& state, const std::vector<int>& inelastic) {
   const Mechanism& m = engine_->mechanism;
   if (state.getNU() == 0) return;
   std::vector<char> touched(m.links().size());  // by tree
-  for (const int b : sudden)
+  for (const int b : inelastic)
     if (m.body_link(b) >= 0) touched[m.links()[m.body_link(b)].tree] = 1;
   m.system.realize(state, SimTK::Stage::Position);
   // A plastic impact: of all velocities that the joints allow those with the momentum there was,

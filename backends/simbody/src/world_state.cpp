@@ -10,7 +10,7 @@ namespace cogrsim::simbody {
 
 struct SimbodyWorld::Snapshot final : WorldSnapshot {
   SceneModelPtr initial, model;
-  Places places;
+  StaticPoses static_poses;
   SimTK::Vector q, u;
   double engine_time = 0.0, time = 0.0, next_step = 0.0;
   WorldState last_seen;
@@ -74,7 +74,7 @@ SnapshotPtr SimbodyWorld::save() const {
   auto out = std::make_shared<Snapshot>();
   out->initial = initial_;
   out->model = model_;
-  out->places = engine_->places;
+  out->static_poses = engine_->static_poses;
   out->q = state().getQ();
   out->u = state().getU();
   out->engine_time = state().getTime();
@@ -91,8 +91,8 @@ Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
   if (!same_names(*saved->initial, *initial_))
     return fail("the snapshot is of another scene: '" + saved->model->name + "'");
   try {
-    if (saved->model != model_ || saved->places != engine_->places)
-      engine_ = std::make_shared<Engine>(saved->model, saved->places, options_);
+    if (saved->model != model_ || saved->static_poses != engine_->static_poses)
+      engine_ = std::make_shared<Engine>(saved->model, saved->static_poses, options_);
     integrator_.reset();
     const Mechanism& m = engine_->mechanism;
     state_ = engine_->start;

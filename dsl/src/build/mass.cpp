@@ -26,7 +26,7 @@ std::optional<MassProperties> Builder::mass_of_shape(const Element& element) {
   }
   const auto mass = r.number("mass");
   if (mass.failed()) return std::nullopt;
-  const bool fixed = model_.bodies[b].kind == BodyKind::fixed;
+  const bool fixed = model_.bodies[b].kind == BodyKind::static_body;
   if (shape.mesh >= 0) {
     const std::size_t open = mesh_open_edges_[shape.mesh];
     if (fixed) return MassProperties{};  // scenery need not be a solid
@@ -122,7 +122,7 @@ void Builder::finish_mass(const Element& owner, int index) {
   body.mass = whole->mass;
   body.com = whole->com;
   body.inertia = whole->inertia;
-  if (body.kind == BodyKind::fixed) return;
+  if (body.kind == BodyKind::static_body) return;
   if (body.kind == BodyKind::kinematic && !(body.mass > 0)) return;
   if (!(body.mass > 0)) {
     note(owner).faulty = true;

@@ -92,7 +92,7 @@ void Builder::door_pairs() {
         model_.no_collide.push_back(std::minmax(leaf, body));
     if (!plan.passes_ground) continue;
     for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-      if (model_.bodies[b].kind == BodyKind::fixed)
+      if (model_.bodies[b].kind == BodyKind::static_body)
         model_.no_collide.push_back(std::minmax(leaf, static_cast<int>(b)));
   }
 }

@@ -22,7 +22,7 @@ std::optional<Thing> thing_of(EventParty party) {
       return Thing::joint;
     case EventParty::thing:
       return Thing::owner;
-    case EventParty::place:
+    case EventParty::posed:
       return Thing::posed;
     case EventParty::a_template:
       return Thing::templates;
@@ -395,7 +395,8 @@ std::optional<Action> Builder::spawn(const Element& element) {
   if (r.has("in")) {
     const auto words = r.words("in");
     if (words.failed()) return std::nullopt;
-    for (const Word& word : *words) good = spawn_poses(element, word, spawn.candidate_poses) && good;
+    for (const Word& word : *words)
+      good = spawn_poses(element, word, spawn.candidate_poses) && good;
   }
   const auto clearance = r.number("clearance");
   const auto lifetime = r.number("lifetime");

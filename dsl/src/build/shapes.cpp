@@ -222,7 +222,7 @@ void Builder::shapes() {
     const Pose X_BW = whole.X_W.inverse();
     Body& body = model_.bodies[b];
     body.X_WB = whole.X_W;
-    const bool moves = body.kind != BodyKind::fixed;
+    const bool moves = body.kind != BodyKind::static_body;
     for (const ShapeJob& job : body_shapes_[b]) {
       const Element& element = *job.element;
       Shape shape;

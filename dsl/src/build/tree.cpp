@@ -134,7 +134,7 @@ void Builder::new_body(const Element& element, const Inherited& around) {
     // Such ground has no inside that could have a mass.
     const std::string_view tag = element.tag();
     if (tag == "plane" || tag == "heightmap") inside.is_static = true;
-    body.kind = inside.is_static      ? BodyKind::fixed
+    body.kind = inside.is_static      ? BodyKind::static_body
                 : inside.is_kinematic ? BodyKind::kinematic
                                       : BodyKind::dynamic;
     body.gravity_scale = inside.gravity_scale;

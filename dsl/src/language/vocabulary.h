@@ -83,7 +83,7 @@ bool is_shape(std::string_view element);
 /// Sensor elements; false for nullptr.
 bool is_sensor(const ElementSpec* element);
 
-/// Checks a parsed tree: unknown or misplaced elements, unknown and missing words, text
+/// Checks a parsed tree: unknown or misplaced elements, unknown and missing attributes, text
 /// where none belongs. Fills Node::spec. Faulty elements stay in the tree with a null spec and
 /// must be skipped silently afterwards (engine blocks too have a null spec: see is_engine_block).
 void check_vocabulary(Document& document, SourceFiles& files, DiagnosticSink& sink);

@@ -26,7 +26,7 @@ std::string event_kinds() {
         return "joint";
       case EventParty::thing:
         return "assembly or body";
-      case EventParty::place:
+      case EventParty::posed:
         return "assembly, body or frame";
       case EventParty::a_template:
         return "template";
@@ -56,9 +56,9 @@ std::string event_kinds() {
 }  // namespace
 
 const Words& event_actions() {
-  static const Words words = {"open",   "close",    "spawn", "remove", "attach", "detach", "limit",
-                              "make-static", "make-dynamic", "drive", "switch",
-                              "raise",  "log",   "end"};
+  static const Words words = {"open",   "close", "spawn",       "remove",       "attach",
+                              "detach", "limit", "make-static", "make-dynamic", "drive",
+                              "switch", "raise", "log",         "end"};
   return words;
 }
 
@@ -82,11 +82,11 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
       "A volume that detects objects entering and leaving it: events `enter` and `leave`. It does "
       "not collide, and it moves with the body it is mounted on.",
       named_always("Name of the region.") +
-          Attributes{above_zero(
-                         numbers("size", kLength, 3, "Full extents of a box-shaped region.")),
-                     above_zero(number("radius", kLength,
-                                       "Radius of a spherical region, instead of a box.")), who,
-                     added} +
+          Attributes{
+              above_zero(numbers("size", kLength, 3, "Full extents of a box-shaped region.")),
+              above_zero(
+                  number("radius", kLength, "Radius of a spherical region, instead of a box.")),
+              who, added} +
           placed(),
       {}, "<region name=\"goal\" xyz=\"2 0 0.2\" size=\"50 50 40 cm\" who=\"robot\"/>"));
   out.push_back(element(
@@ -100,18 +100,19 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
       group, "on",
       "A rule: actions on an event, at a time, or when a condition becomes true. The actions are "
       "carried out between two steps, in order.",
-      named() +
-          Attributes{
-              attr("event", Kind::text, event_doc),
-              at_least(number("time", kTime,
-                              "Time at which it fires; with `every`, the first time."), 0.0),
-              above_zero(number("every", kTime, "Fires repeatedly with this period.")),
-              attr("when", Kind::text, "Condition; the rule fires whenever it becomes true."),
-              attr("if", Kind::text, "Condition that must hold at the event or time."),
-              at_least(number("after", kTime, "Delay of the actions.", "0 s"), 0.0),
-              at_least(attr("limit", Kind::integer,
-                            "Largest number of times that it fires.", "1000"), 1.0),
-              added},
+      named() + Attributes{attr("event", Kind::text, event_doc),
+                           at_least(number("time", kTime,
+                                           "Time at which it fires; with `every`, the first time."),
+                                    0.0),
+                           above_zero(number("every", kTime, "Fires repeatedly with this period.")),
+                           attr("when", Kind::text,
+                                "Condition; the rule fires whenever it becomes true."),
+                           attr("if", Kind::text, "Condition that must hold at the event or time."),
+                           at_least(number("after", kTime, "Delay of the actions.", "0 s"), 0.0),
+                           at_least(attr("limit", Kind::integer,
+                                         "Largest number of times that it fires.", "1000"),
+                                    1.0),
+                           added},
       event_actions(),
       "<on event=\"enter(walls.T1, robot)\" limit=\"1\"> <open door=\"walls.A\"/> </on>"));
 
@@ -119,8 +120,7 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
                           std::string_view example) {
     out.push_back(element(group, name, doc, std::move(attributes), {}, example));
   };
-  action("open", "Opens a door.", {target_name("door", "The door.")},
-         "<open door=\"walls.A\"/>");
+  action("open", "Opens a door.", {target_name("door", "The door.")}, "<open door=\"walls.A\"/>");
   action("close", "Closes a door.", {target_name("door", "The door.")},
          "<close door=\"walls.A\"/>");
   AttributeSpec in = attr("in", Kind::references,
@@ -142,35 +142,34 @@ void add_events(std::vector<ElementSpec>& out, const Words& template_content) {
          "<spawn of=\"Ball\" in=\"walls.free\" xyz=\"0 0 5 cm\" clearance=\"3 cm\"/>");
   action("remove", "Removes an assembly, or a body that belongs to no assembly.",
          {target_name("name", "Assembly or body.")}, "<remove name=\"gate\"/>");
-  AttributeSpec reach =
-      number("reach", kLength, "Largest distance between the two; the action is refused beyond it. "
+  AttributeSpec reach = number("reach", kLength,
+                               "Largest distance between the two; the action is refused beyond it. "
                                "No limit if left out.");
-  action(
-      "attach", "Adds a joint between two bodies at their current poses.",
-      {target_name("name", "Name of the new joint."),
-       target_name("parent", "Parent body, frame or assembly."),
-       target_name("child", "Child body, frame or assembly."),
-       choice("type", {"fixed", "hinge", "ball"}, "Type of the joint.", "fixed"),
-       numbers("point", kLength, 3,
-               "Position of a hinge or ball joint in the parent's frame; the child's origin if "
-               "left out."),
-       numbers("axis", kNone, 3, "Axis of a hinge, in the parent's frame.", "0 0 1"),
-       at_least(reach, 0.0)},
-      "<attach name=\"grip\" parent=\"robot.hand\" child=\"crate\" reach=\"2 cm\"/>");
+  action("attach", "Adds a joint between two bodies at their current poses.",
+         {target_name("name", "Name of the new joint."),
+          target_name("parent", "Parent body, frame or assembly."),
+          target_name("child", "Child body, frame or assembly."),
+          choice("type", {"fixed", "hinge", "ball"}, "Type of the joint.", "fixed"),
+          numbers("point", kLength, 3,
+                  "Position of a hinge or ball joint in the parent's frame; the child's origin if "
+                  "left out."),
+          numbers("axis", kNone, 3, "Axis of a hinge, in the parent's frame.", "0 0 1"),
+          at_least(reach, 0.0)},
+         "<attach name=\"grip\" parent=\"robot.hand\" child=\"crate\" reach=\"2 cm\"/>");
   action("detach", "Removes a joint and its motors.", {target_name("joint", "The joint.")},
          "<detach joint=\"grip\"/>");
-  action("limit", "Changes the limits of a joint.",
-         {target_name("joint", "The joint."),
-          between(attr("axis", Kind::integer,
-                       "Degree of freedom of the joint, counted from 1.", "1"), 1, 3),
-          or_none(either("lower", {kAngle, kLength}, "Lower limit; unchanged if left out.")),
-          or_none(either("upper", {kAngle, kLength}, "Upper limit; unchanged if left out."))},
-         "<limit joint=\"lift\" upper=\"80 cm\"/>");
+  action(
+      "limit", "Changes the limits of a joint.",
+      {target_name("joint", "The joint."),
+       between(attr("axis", Kind::integer, "Degree of freedom of the joint, counted from 1.", "1"),
+               1, 3),
+       or_none(either("lower", {kAngle, kLength}, "Lower limit; unchanged if left out.")),
+       or_none(either("upper", {kAngle, kLength}, "Upper limit; unchanged if left out."))},
+      "<limit joint=\"lift\" upper=\"80 cm\"/>");
   action("make-static", "Makes a body or a whole assembly static at its current pose.",
          {target_name("name", "Body or assembly.")}, "<make-static name=\"crate\"/>");
-  action("make-dynamic", "Makes a static body or assembly dynamic again.", {target_name("name",
-  "Body or assembly.")},
-         "<make-dynamic name=\"crate\"/>");
+  action("make-dynamic", "Makes a static body or assembly dynamic again.",
+         {target_name("name", "Body or assembly.")}, "<make-dynamic name=\"crate\"/>");
   action("drive", "Sets the target of a motor or servo.",
          {target_name("motor", "The motor."),
           must(either("target", {kAngularSpeed, kSpeed, kTorque, kForce, kAngle, kLength, kVoltage},

@@ -52,12 +52,12 @@ std::string attribute_text(const AttributeSpec& a) {
   return out;
 }
 
-/// Anything with an expression in it, beside the words of a choice.
-std::string words_or_expression(const std::string& indent,
-                                const std::vector<std::string_view>& words) {
+/// Anything with an expression in it, beside the choices.
+std::string choices_or_expression(const std::string& indent,
+                                  const std::vector<std::string_view>& choices) {
   std::string out = indent + "<xs:simpleType><xs:union><xs:simpleType>";
   out += "<xs:restriction base=\"xs:string\">";
-  for (const auto w : words) out += "<xs:enumeration value=\"" + escaped(w) + "\"/>";
+  for (const auto choice : choices) out += "<xs:enumeration value=\"" + escaped(choice) + "\"/>";
   out +=
       "</xs:restriction></xs:simpleType><xs:simpleType><xs:restriction base=\"xs:string\">"
       "<xs:pattern "
@@ -69,11 +69,11 @@ std::string words_or_expression(const std::string& indent,
 std::string attribute(const AttributeSpec& a) {
   std::string out = "      <xs:attribute name=\"" + escaped(a.name) + "\"";
   if (a.required) out += " use=\"required\"";
-  const bool words = a.kind == Kind::choice || a.kind == Kind::boolean;
-  if (!words) out += " type=\"xs:string\"";
+  const bool has_choices = a.kind == Kind::choice || a.kind == Kind::boolean;
+  if (!has_choices) out += " type=\"xs:string\"";
   out += ">\n" + documentation("        ", attribute_text(a));
-  if (a.kind == Kind::boolean) out += words_or_expression("        ", {"true", "false"});
-  if (a.kind == Kind::choice) out += words_or_expression("        ", a.choices);
+  if (a.kind == Kind::boolean) out += choices_or_expression("        ", {"true", "false"});
+  if (a.kind == Kind::choice) out += choices_or_expression("        ", a.choices);
   return out + "      </xs:attribute>\n";
 }
 

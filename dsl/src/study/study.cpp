@@ -16,18 +16,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Attributes of the elements of a study; those with * are required.
-struct Words {
+struct StudyElement {
   const char* element;
   std::vector<std::string> attributes;
 };
-const std::vector<Words>& words() {
-  static const std::vector<Words> kWords = {
+const std::vector<StudyElement>& study_elements() {
+  static const std::vector<StudyElement> kElements = {
       {"study", {"*scene", "seeds", "backends", "until"}},
       {"vary", {"*param", "*values"}},
       {"set", {"*param", "*value"}},
       {"measure", {"*name", "*signal", "take"}},
   };
-  return kWords;
+  return kElements;
 }
 
 class StudyReader {
@@ -57,10 +57,11 @@ class StudyReader {
   /// Vocabulary of one element; false: not to be read.
   bool check(const Node& node) {
     const bool root = node.parent == nullptr;
-    const auto known = std::find_if(words().begin(), words().end(), [&](const Words& w) {
-      return node.name == w.element && root == (node.name == "study");
-    });
-    if (known == words().end()) {
+    const auto known =
+        std::find_if(study_elements().begin(), study_elements().end(), [&](const StudyElement& e) {
+          return node.name == e.element && root == (node.name == "study");
+        });
+    if (known == study_elements().end()) {
       sink_
           .report("CG0201", node.span, nullptr,
                   "there is no element <" + std::string(node.name) + "> in a study")

@@ -74,7 +74,7 @@ std::vector<Item> items_of(const Frame& frame) {
       if (!shape.visible) continue;
       const Pose& X_WB = frame.state.poses[b];
       items.push_back({&shape, static_cast<int>(b), X_WB, top_of(model, shape, X_WB * shape.X_BS),
-                       body.kind == BodyKind::fixed});
+                       body.kind == BodyKind::static_body});
     }
   }
   std::stable_sort(items.begin(), items.end(),
@@ -264,7 +264,7 @@ void draw_names(const Canvas& canvas, const Frame& frame) {
     MapArea area = nothing();
     enclose_body(area, model, body, frame.state.poses[b]);
     if (!(area.x_min <= area.x_max)) continue;
-    const bool moves = body.kind != BodyKind::fixed;
+    const bool moves = body.kind != BodyKind::static_body;
     const int assembly = top_level_assembly(model, body.assembly);
     if (assembly < 0) {
       labels.push_back({body.name, area, moves});

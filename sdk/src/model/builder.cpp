@@ -52,7 +52,7 @@ int ModelBuilder::add_body(const std::string& name, Shape shape, double mass, co
   if (mass > 0.0) {
     set_mass(body, mass_or_assert(shape, model, mass));
   } else {
-    body.kind = BodyKind::fixed;
+    body.kind = BodyKind::static_body;
   }
   body.shapes.push_back(std::move(shape));
   model.bodies.push_back(std::move(body));
@@ -134,7 +134,7 @@ int ModelBuilder::body(const std::string& name, double mass, const Mat3& inertia
   Body made;
   made.name = name;
   made.X_WB = X_WB;
-  made.kind = mass > 0.0 ? BodyKind::dynamic : BodyKind::fixed;
+  made.kind = mass > 0.0 ? BodyKind::dynamic : BodyKind::static_body;
   if (mass > 0.0) set_mass(made, {mass, Vec3::Zero(), inertia});
   model.bodies.push_back(std::move(made));
   return index_of_last(model.bodies.size());

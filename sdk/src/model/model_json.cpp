@@ -267,7 +267,7 @@ void fields(Io& io, SceneModel& x) {
 /// Highest valid value of an enumeration in a file.
 template <class Enum>
 constexpr int last_of() {
-  if constexpr (std::is_same_v<Enum, BodyKind>) return static_cast<int>(BodyKind::fixed);
+  if constexpr (std::is_same_v<Enum, BodyKind>) return static_cast<int>(BodyKind::static_body);
   if constexpr (std::is_same_v<Enum, ShapeType>) return static_cast<int>(ShapeType::heightmap);
   if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::gimbal);
   if constexpr (std::is_same_v<Enum, MotorMode>) return static_cast<int>(MotorMode::dc);

@@ -43,7 +43,7 @@ class Moved {
     return index != kWorld && (index == body_ || has_assembly(model.bodies[at(index)].assembly));
   }
 
-  /// Whether no joint holds it at its place.
+  /// Whether no joint connects it to other bodies.
   bool is_free(const SceneModel& model) const {
     return std::all_of(model.joints.begin(), model.joints.end(), [&](const Joint& joint) {
       // A joint to the world that is part of it moves with it.

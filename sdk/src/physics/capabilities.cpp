@@ -99,7 +99,7 @@ void Check::check_bodies() {
   for (const Body& body : model_.bodies) {
     if (body.removed) continue;
     if (body.kind != BodyKind::dynamic) {
-      const bool fixed = body.kind == BodyKind::fixed;
+      const bool fixed = body.kind == BodyKind::static_body;
       need(fixed ? "body.static" : "body.kinematic", fixed ? "static bodies" : "kinematic bodies",
            "body '" + body.name + "'", body.origin, "run the scene on another backend");
     }

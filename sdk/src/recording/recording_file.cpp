@@ -33,7 +33,7 @@ struct Descriptor {
 };
 
 // Errors: another recorder holds the lock of the file `path`.
-Result<> nobody_writes(const std::string& path) {
+Result<> check_not_locked(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   // A file that does not exist or cannot be read has no known lock.
   if (file.number < 0 || ::flock(file.number, LOCK_EX | LOCK_NB) == 0) return {};
@@ -53,7 +53,7 @@ Result<std::unique_ptr<RecordingFile>> RecordingFile::create(const std::string& 
   const auto cannot = [&](const std::string& why) {
     return fail(fmt::format("cannot record to '{}': {}", path, why));
   };
-  if (auto free = nobody_writes(path); !free) return tl::unexpected(free.error());
+  if (auto free = check_not_locked(path); !free) return tl::unexpected(free.error());
 
   std::string temporary =
       (folder_of(target) / ("." + target.filename().string() + ".XXXXXX")).string();
@@ -76,7 +76,7 @@ Result<> RecordingFile::replace_target() {
   // Two recorders that start at the same time are serialised here.
   const Descriptor folder{::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (folder.number >= 0) ::flock(folder.number, LOCK_EX);
-  if (auto free = nobody_writes(path_); !free) return free;
+  if (auto free = check_not_locked(path_); !free) return free;
   if (auto allowed = check_output(path_, OutputKind::recording, rules_); !allowed) return allowed;
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     return fail(fmt::format("cannot record to '{}': {}", path_, system_reason()));

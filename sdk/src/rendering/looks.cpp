@@ -25,7 +25,7 @@ Color shown_color(const SceneModel& model, int body, const Shape& shape) {
   const Material& material = model.materials[shape.material];
   if (has_looks(material)) return material.color;
   if (shape.type == ShapeType::plane || shape.type == ShapeType::heightmap) return kGround;
-  if (model.bodies[body].kind == BodyKind::fixed) return kFixed;
+  if (model.bodies[body].kind == BodyKind::static_body) return kFixed;
   return kPalette[static_cast<std::size_t>(body) % std::size(kPalette)];
 }
 

@@ -288,7 +288,7 @@ class Parser {
   }
 
   Parsed of_controller(bool supervisor, int index, const std::string& quantity,
-                 const std::string& text) const {
+                       const std::string& text) const {
     const ControllerModel& controller =
         (supervisor ? model_.supervisors : model_.controllers)[at(index)];
     // Outputs are known when the plugin is loaded; until then every name is accepted.
@@ -353,8 +353,7 @@ class Parser {
       if (const int controller = find_named(*controllers, full); controller >= 0) {
         std::vector<std::string> outputs;
         const ControllerModel& model = (*controllers)[at(controller)];
-        for (const OutputModel& output : model.outputs)
-          outputs.push_back(output.name);
+        for (const OutputModel& output : model.outputs) outputs.push_back(output.name);
         return outputs.empty() ? text_ + ".OUTPUT" : with(outputs);
       }
     const int sensor = find_named(model_.sensors, full);
@@ -449,10 +448,10 @@ class Parser {
     std::vector<int> all = full.empty() ? std::vector<int>{} : bodies(full);
     if (all.empty()) return wrong_argument(name, full, "body or assembly");
     // A static body need not have a mass.
-    all.erase(
-        std::remove_if(all.begin(), all.end(),
-                       [&](int body) { return model_.bodies[at(body)].kind == BodyKind::fixed; }),
-        all.end());
+    all.erase(std::remove_if(
+                  all.begin(), all.end(),
+                  [&](int body) { return model_.bodies[at(body)].kind == BodyKind::static_body; }),
+              all.end());
     if (all.empty()) return fail(fmt::format("'{}' is static and has no mass", name));
     return mass_term(fmt::format("mass({})", full), std::move(all));
   }

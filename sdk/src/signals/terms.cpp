@@ -44,7 +44,7 @@ struct TimeTerm final : Signal::Node {
   double value(const Frame& frame) const override { return frame.time; }
 };
 
-struct PlaceTerm final : Signal::Node {
+struct PoseTerm final : Signal::Node {
   SignalPose pose;
   int which = 0;
 
@@ -254,7 +254,7 @@ const char* pose_unit(int quantity) {
 SignalNode time_term() { return std::make_shared<TimeTerm>(); }
 
 SignalNode pose_term(std::string text, const SignalPose& pose, int quantity) {
-  auto term = std::make_shared<PlaceTerm>();
+  auto term = std::make_shared<PoseTerm>();
   term->text = std::move(text);
   term->unit = pose_unit(quantity);
   term->quantity = kPoseQuantities[at(quantity)];

@@ -67,7 +67,7 @@ class Appender {
     append_bodies();
     append_joints();
     append_devices();
-    append_places();
+    append_regions_and_doors();
     rename_signals(&SceneModel::motors, &Motor::target_signal);
     rename_signals(&SceneModel::forces, &ForceModel::factor);
     for (BodyPair pair : from_.no_collide) {
@@ -201,7 +201,7 @@ class Appender {
     append(&SceneModel::controllers, [](ControllerModel&) {});
   }
 
-  void append_places() {
+  void append_regions_and_doors() {
     append(&SceneModel::regions, [this](RegionModel& region) {
       region.body = shifted(region.body, bodies_);
       if (region.body == kWorld) region.X_BR = pose_ * region.X_BR;
@@ -491,7 +491,7 @@ Result<SceneModelPtr> with_static(const SceneModel& model, const std::string& na
   auto next = std::make_shared<SceneModel>(model);
   for (const int b : bodies) {
     Body& body = next->bodies[at(b)];
-    const BodyKind kind = on ? BodyKind::fixed : BodyKind::dynamic;
+    const BodyKind kind = on ? BodyKind::static_body : BodyKind::dynamic;
     if (body.kind == kind) continue;
     if (auto fine = check_kind_change(body, on); !fine) return tl::unexpected(fine.error());
     body.kind = kind;

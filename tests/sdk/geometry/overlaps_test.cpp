@@ -34,7 +34,7 @@ TEST_CASE("the tree of boxes loses no pair of a heap") {
       shape.X_BS = random_pose(random, 0.3);
       builder.model.bodies[body].shapes.push_back(shape);
     }
-    if (i % 7 == 0) builder.model.bodies.back().kind = BodyKind::fixed;
+    if (i % 7 == 0) builder.model.bodies.back().kind = BodyKind::static_body;
   }
   builder.joint("pin", JointType::hinge, 3, 4, {});
   const SceneModelPtr model = builder.build();
@@ -83,7 +83,7 @@ TEST_CASE("joined, filtered and non-colliding bodies are not compared") {
   CHECK(count([](ModelBuilder& b) { b.model.no_collide.push_back({0, 1}); }) == 0);
   CHECK(count([](ModelBuilder& b) { b.model.bodies[1].shapes[0].collides = false; }) == 0);
   CHECK(count([](ModelBuilder& b) {
-          for (Body& body : b.model.bodies) body.kind = BodyKind::fixed;
+          for (Body& body : b.model.bodies) body.kind = BodyKind::static_body;
         }) == 0);
   CHECK(count([](ModelBuilder& b) { b.model.bodies[0].removed = true; }) == 0);
 }

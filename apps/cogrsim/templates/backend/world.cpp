@@ -32,7 +32,7 @@ void place(const cogrsim::Body& model, const Pose& X_WB, const Twist& V_WB, flig
 }
 
 flight::Motion motion_of(cogrsim::BodyKind kind) {
-  if (kind == cogrsim::BodyKind::fixed) return flight::Motion::still;
+  if (kind == cogrsim::BodyKind::static_body) return flight::Motion::still;
   return kind == cogrsim::BodyKind::kinematic ? flight::Motion::carried : flight::Motion::free;
 }
 

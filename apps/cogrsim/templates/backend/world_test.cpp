@@ -133,7 +133,7 @@ TEST_CASE("a body made static keeps its pose, and made dynamic it falls from res
   FlightWorld world(model, 1);
   run(world, 100);
   auto made_static = std::make_shared<cogrsim::SceneModel>(*model);
-  made_static->bodies[0].kind = cogrsim::BodyKind::fixed;
+  made_static->bodies[0].kind = cogrsim::BodyKind::static_body;
   REQUIRE(world.change(made_static));
   const Pose there = state_of(world).poses[0];
   run(world, 100);

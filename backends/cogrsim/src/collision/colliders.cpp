@@ -124,7 +124,7 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   c.type = shape.type;
   c.material = shape.material;
   c.surface_velocity = shape.surface_velocity;
-  c.moves = model.bodies[std::size_t(body)].kind != BodyKind::fixed;
+  c.moves = model.bodies[std::size_t(body)].kind != BodyKind::static_body;
   c.X_BS = Placement(shape.X_BS);
   c.bounding_radius = geometry::bounding_radius(model, shape);
   if (c.is_convex()) c.core = geometry::core_of(model, shape);

@@ -34,7 +34,7 @@ class Planner {
 
  private:
   bool is_fixed(int body) const {
-    return body == kWorld || model_.bodies[std::size_t(body)].kind == BodyKind::fixed;
+    return body == kWorld || model_.bodies[std::size_t(body)].kind == BodyKind::static_body;
   }
   bool is_dynamic(int body) const {
     return body != kWorld && model_.bodies[std::size_t(body)].kind == BodyKind::dynamic;

@@ -33,7 +33,8 @@ inline std::string indented(const std::string& text) {
 }
 
 /// An error: what went wrong, where, and the remedy. Texts start in lower case and have no final
-/// stop. One that a file causes has its position in it; others may name a place in `where`.
+/// stop. One that a file causes has its position in it; others may name the file or element in
+/// `where`.
 struct Error : SourcePosition {
   std::string message;  ///< the faulty value or element and what was expected
   std::string where;    ///< robot, folder, file as a whole …; may be empty

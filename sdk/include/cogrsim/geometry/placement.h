@@ -5,7 +5,7 @@
 
 namespace cogrsim::geometry {
 
-/// Axes of a frame and the place of its origin.
+/// Axes of a frame and the position of its origin.
 struct Placement {
   Mat3 R = Mat3::Identity();
   Vec3 p = Vec3::Zero();

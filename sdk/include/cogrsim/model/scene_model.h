@@ -26,9 +26,9 @@ namespace cogrsim {
 inline constexpr int kWorld = -1;  ///< as a body index
 
 enum class BodyKind {
-  dynamic,    ///< moved by forces
-  kinematic,  ///< moves with its prescribed twist, regardless of forces
-  fixed       ///< static: never moves
+  dynamic,     ///< moved by forces
+  kinematic,   ///< moves with its prescribed twist, regardless of forces
+  static_body  ///< never moves
 };
 
 /// A rigid body with its shapes.

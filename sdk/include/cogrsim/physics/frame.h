@@ -32,8 +32,8 @@ struct Reading {
   bool valid = false;          ///< false: no measurement yet, switched off, or dropped out
   std::vector<double> values;  ///< in the order and units of Sensor::channels()
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
-  std::vector<Contact> contacts;  ///< of a contact sensor; body_b is the touched body
-  bool enabled = true;            ///< the sensor is switched on
+  std::vector<Contact> contacts;           ///< of a contact sensor; body_b is the touched body
+  bool enabled = true;                     ///< the sensor is switched on
 };
 
 /// The kind of element that a name in an event refers to.
@@ -44,7 +44,7 @@ enum class EventParty {
   door,
   joint,
   thing,       ///< assembly or body
-  place,       ///< assembly, body or frame
+  posed,       ///< assembly, body or frame
   a_template,  ///< the template of an assembly
   controller,  ///< controller or supervisor
 };
@@ -58,8 +58,8 @@ struct EventKind {
 
 /// All kinds of events.
 inline constexpr EventKind kEventKinds[] = {
-    {"enter", EventParty::region, EventParty::place},
-    {"leave", EventParty::region, EventParty::place},
+    {"enter", EventParty::region, EventParty::posed},
+    {"leave", EventParty::region, EventParty::posed},
     {"opening", EventParty::door},
     {"opened", EventParty::door},
     {"closing", EventParty::door},

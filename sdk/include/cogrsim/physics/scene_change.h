@@ -66,7 +66,7 @@ inline Result<> check_kinds(const Body& now, const Body& next) {
   if (now.kind == BodyKind::kinematic || next.kind == BodyKind::kinematic) {
     return fail(what + "a kinematic body stays kinematic, and no other becomes one");
   }
-  if (next.kind == BodyKind::fixed) return {};
+  if (next.kind == BodyKind::static_body) return {};
   if (auto massive = check_mass_properties(next.mass, next.inertia); !massive) {
     return fail(what + "it cannot move: " + massive.error().message);
   }

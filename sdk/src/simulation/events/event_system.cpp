@@ -49,7 +49,7 @@ std::vector<Visitor> default_visitors(const SceneModel& model) {
   std::vector<char> moves(model.assemblies.size(), 0);
   std::vector<Visitor> out;
   for (const Body& body : model.bodies) {
-    if (body.removed || body.kind == BodyKind::fixed || body.assembly < 0) continue;
+    if (body.removed || body.kind == BodyKind::static_body || body.assembly < 0) continue;
     moves[at(top_level_assembly(model, body.assembly))] = 1;
   }
   for (std::size_t i = 0; i < model.assemblies.size(); ++i) {
@@ -57,7 +57,7 @@ std::vector<Visitor> default_visitors(const SceneModel& model) {
   }
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
-    if (body.removed || body.kind == BodyKind::fixed || body.assembly >= 0) continue;
+    if (body.removed || body.kind == BodyKind::static_body || body.assembly >= 0) continue;
     out.push_back({Visitor::Kind::body, static_cast<int>(i)});
   }
   return out;

@@ -242,10 +242,10 @@ class Rebuilder {
   /// Whether an immobile body had the pose of its scene.
   bool never_moved(const Body& now, const Pose& then) const {
     const int index = find_body(original_, now.name);
-    if (now.kind != BodyKind::fixed || index < 0) return false;
+    if (now.kind != BodyKind::static_body || index < 0) return false;
     const Body& before = original_.bodies[index];
     constexpr double kRounding = 1e-9;  // [m], [rad]: conversion to engine coordinates and back
-    return before.kind == BodyKind::fixed && (before.X_WB.p - then.p).norm() < kRounding &&
+    return before.kind == BodyKind::static_body && (before.X_WB.p - then.p).norm() < kRounding &&
            before.X_WB.q.angularDistance(then.q) < kRounding;
   }
 
@@ -260,7 +260,7 @@ class Rebuilder {
       const Pose then = pose_from(state.at("pose"));
       if (never_moved(body, then)) continue;
       body.X_WB = then;
-      body.V_WB = body.kind == BodyKind::fixed ? Twist() : twist_from(state.at("twist"));
+      body.V_WB = body.kind == BodyKind::static_body ? Twist() : twist_from(state.at("twist"));
     }
     const Json& joints = content_.at("joints");
     for (Joint& joint : out_->joints) {

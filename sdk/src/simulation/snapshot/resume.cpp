@@ -83,7 +83,7 @@ class Resumption {
       }
       ++carried;
       // Immobile bodies have the poses of the scene, where they may have been moved on purpose.
-      if (body.kind == BodyKind::fixed) continue;
+      if (body.kind == BodyKind::static_body) continue;
       state.poses[i] = pose_from(bodies.at(body.name).at("pose"));
       state.twists[i] = twist_from(bodies.at(body.name).at("twist"));
     }
