@@ -256,10 +256,10 @@ TEST_CASE("a damaged or foreign table is refused by file and line", "[algorithms
   CHECK(has(with("learner 1", "learner 2"), at(1) + "a table of version 2"));
   CHECK(has(with("q_learning", "sarsa"), at(2) + "a table of 'sarsa', not of 'q_learning'"));
   CHECK(has(with("episodes 3", "episodes -3"), at(3)));
-  CHECK(has(with("0.5", "0.5x"), at(4) + "the value of action 0 of state 1 is no number"));
+  CHECK(has(with("0.5", "0.5x"), at(4) + "the value of action 0 of state 1 is not a number"));
   CHECK(has(with("0.5", "nan"), at(4)));
   CHECK(has(with("0.5", "1e999"), at(4)));
-  CHECK(has(with("-1 1", "-1"), at(4) + "the count of action 1 of state 1 is no number"));
+  CHECK(has(with("-1 1", "-1"), at(4) + "the count of action 1 of state 1 is not a number"));
   CHECK(has(with("state 1 0.5 2 -1 1", "state 1"), at(4) + "state 1 has no actions"));
   CHECK(has(with("state 7", "state 1"), at(5) + "state 1 comes twice"));
   CHECK(has(with("state 7", "sate 7"), at(5) + "'sate' is not expected here"));
@@ -287,7 +287,7 @@ TEST_CASE("learners report their errors", "[algorithms][learner]") {
       has(said(learner->choose(1, 3, true)), "state 1 has 4 actions, and was asked about with 3"));
   CHECK(has(said(learner->learn({2, 0, 0.0, 1, true, -1})), "state 2 is not known"));
   CHECK(has(said(learner->learn({1, 4, 0.0, 1, true, -1})), "actions 0 to 3, not 4"));
-  CHECK(has(said(learner->learn({1, 0, std::nan(""), 1, true, -1})), "is no number"));
+  CHECK(has(said(learner->learn({1, 0, std::nan(""), 1, true, -1})), "is not a number"));
   CHECK(has(said(learner->learn({1, 0, 0.0, 9, false, 0})), "state 9 is not known"));
   CHECK(has(said(learner->learn({1, 0, 0.0, 1, false, -1})), "sarsa needs the next action"));
   CHECK(learner->value(99) == 0.0);

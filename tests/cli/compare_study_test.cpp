@@ -165,8 +165,8 @@ TEST_CASE("repetitions that make no sense are refused", "[cli][compare]") {
   };
   refused("ball.scene.xml", "--seeds 5..1", "5..1");
   refused("ball.scene.xml", "--seeds 1..3 --step 2ms --step 1ms", "two studies");
-  refused("ball.scene.xml", "--shake 3deg", "no length");
-  refused("ball.scene.xml", "--shake 0", "no length");
+  refused("ball.scene.xml", "--shake 3deg", "not a length");
+  refused("ball.scene.xml", "--shake 0", "not a length");
   refused("ball.scene.xml", "--table out.txt", "neither in .md nor in .tex");
   refused("still.scene.xml", "--shake 1mm", "nothing in this scene can be shaken");
 }

@@ -447,7 +447,7 @@ TEST_CASE("an import writes through no link and opens no pipe", "[cli][output]")
   CHECK_THAT(piped.err, Contains("pipe"));
   const Outcome pairs = cogrsim_run({"import", robot, "--srdf", folder / "pair.srdf"});
   CHECK(pairs.status != 0);
-  CHECK_THAT(pairs.err, Contains("no regular file"));
+  CHECK_THAT(pairs.err, Contains("not a regular file"));
 }
 
 TEST_CASE("an import parts links that start inside each other, and knows who runs it", "[cli]") {

@@ -295,7 +295,7 @@ TEST_CASE("watching makes no sense of", "[cli][watch]") {
   REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
   const Outcome fifo = cogrsim_run(watch(folder / "fifo"));
   CHECK(fifo.status == 1);
-  CHECK_THAT(fifo.err, Contains("no ordinary file"));
+  CHECK_THAT(fifo.err, Contains("not an ordinary file"));
   const Outcome whole_folder = cogrsim_run(watch(folder / ""));
   CHECK(whole_folder.status == 1);
   CHECK_THAT(whole_folder.err, Contains("name the scene file in it"));

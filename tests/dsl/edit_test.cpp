@@ -273,7 +273,7 @@ TEST_CASE("poses are written in the existing units", "[edit]") {
       "<box name=\"b\" size=\"1 1 1\" xyz=\"0 0 ${h}\"/></scene>";
   CHECK(refused(made, {PlaceElement{2, pose}}).find("expression") != std::string::npos);
   pose.p.x() = std::nan("");
-  CHECK(refused(kScene, {PlaceElement{crate, pose}}).find("no pose") != std::string::npos);
+  CHECK(refused(kScene, {PlaceElement{crate, pose}}).find("not a pose") != std::string::npos);
 }
 
 TEST_CASE("a placed element has the requested pose", "[edit]") {

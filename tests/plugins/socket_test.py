@@ -190,14 +190,14 @@ class Socket(unittest.TestCase):
                               ("unix:../x.sock", "inside the scene's folder"),
                               ("unix:a/../../x.sock", "inside the scene's folder"),
                               ("unix:", "inside the scene's folder"),
-                              ("unix:run.scene.xml", "no socket"),
+                              ("unix:run.scene.xml", "not a socket"),
                               ("unix:missing/run.sock", "no folder inside"),
                               ("unix:" + "x" * 200, "too long"),
                               ("tcp:127.0.0.1", "no port"),
                               ("tcp:127.0.0.1:70000", "no port"),
                               ("tcp:example.org:5000", "in numbers"),
                               ("tcp:0.0.0.0:5000", "COGRSIM_CONTROLLER_TOKEN"),
-                              ("udp:1", "is no address")):
+                              ("udp:1", "is not an address")):
             self.assertIn(text, self.fault(None, CONNECT.replace("unix:run.sock", address)), address)
         os.symlink("/tmp", self.folder / "out")
         self.assertIn("no folder inside", self.fault(None, CONNECT.replace("unix:run.sock", "unix:out/x.sock")))

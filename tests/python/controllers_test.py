@@ -195,7 +195,7 @@ class InPython(Case):
     def test_a_class_is_not_reloaded(self):
         sim = cg.Simulation(self.compile())
         sim.step()
-        with self.assertRaisesRegex(cg.Error, "is no library"):
+        with self.assertRaisesRegex(cg.Error, "is not a library"):
             sim.reload_controller("arm")
         sim.run_until(0.1)
         self.assertEqual(self.loaded().handles[3].updates, 10)

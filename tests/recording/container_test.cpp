@@ -214,7 +214,7 @@ TEST_CASE("what is no container of this version is reported as such") {
         std::string::npos);
   CHECK(mcap::Reader::open(folder / "none.mcap").error().message.find("No such file") !=
         std::string::npos);
-  CHECK(mcap::Reader::open(folder.path).error().message.find("is no file") != std::string::npos);
+  CHECK(mcap::Reader::open(folder.path).error().message.find("is not a file") != std::string::npos);
 }
 
 TEST_CASE("a chunk that claims to be huge is not believed") {

@@ -298,7 +298,7 @@ TEST_CASE("plugins of a source are no libraries") {
   CHECK_THAT(none.error().message, Contains("toy:boat"));
   const auto copy = loader.load_fresh_copy(**car);
   REQUIRE_FALSE(copy);
-  CHECK_THAT(copy.error().message, Contains("no library"));
+  CHECK_THAT(copy.error().message, Contains("not a library"));
   set_plugin_source("toy:", {});
   CHECK_FALSE(loader.load(PluginKind::controller, "toy:car"));
 }

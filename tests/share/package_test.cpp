@@ -165,8 +165,8 @@ TEST_CASE("what cannot be packed is reported", "[share]") {
     CHECK(outcome.err.find(reason) != std::string::npos);
     CHECK_FALSE(fs::exists(home / "arm-1.0.0.cogrsim.zip"));
   };
-  refused({"--version", "1.0-beta"}, "is no version");
-  refused({"--name", "A/B"}, "is no name of a package");
+  refused({"--version", "1.0-beta"}, "is not a version");
+  refused({"--name", "A/B"}, "is not a name of a package");
   refused({"--author", "a\x1b[2J"}, "control character");
   refused({"--include", home / "arm/controller.so"}, "nothing that packages hold");
   write_to(home / "elsewhere.csv", "1\n");
@@ -281,7 +281,7 @@ TEST_CASE("files that the manifest does not list are refused", "[share][hostile]
   check_refused(make_zip(members), "has more than the 6 bytes");
   members.erase(members.begin());
   check_refused(make_zip(members), "does not begin with its manifest");
-  check_refused(make_zip({{"manifest.json", "{}"}}), "no manifest of a CogRSim package");
+  check_refused(make_zip({{"manifest.json", "{}"}}), "not a manifest of a CogRSim package");
 }
 
 TEST_CASE("damaged and disguised archives are refused", "[share][hostile]") {
