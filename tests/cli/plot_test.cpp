@@ -95,7 +95,7 @@ TEST_CASE("plots that cannot be drawn", "[cli][plot]") {
       {{"plot", run, "--from", "2", "--to", "1"}, 2, "before it begins"},
       {{"plot", run, "--every", "-1"}, 2, "negative"},
       {{"plot", bare}, 1, "has no plots"},
-      {{"plot", run, "--y", "time", "-o", "/dev/null/x/y.png"}, 1, "not a folder"}};
+      {{"plot", run, "--y", "time", "-o", "/dev/null/x/y.png"}, 1, "no folder"}};
   for (const auto& c : cases) {
     const Outcome outcome = cogrsim_run(c.arguments);
     INFO(outcome.out << outcome.err);

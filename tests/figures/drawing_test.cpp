@@ -231,7 +231,7 @@ TEST_CASE("paths that cannot be written are refused", "[drawing]") {
   const Figure figure = curve({0, 1}, {0, 1});
   CHECK(draw(figure, folder / "a.bmp").error().hint.find(".svg") != std::string::npos);
   CHECK(draw(figure, folder / "none").error().hint.find(".png") != std::string::npos);
-  CHECK(draw(figure, folder / "no/where.png").error().message.find("not a folder") !=
+  CHECK(draw(figure, folder / "no/where.png").error().message.find("no folder") !=
         std::string::npos);
   DrawOptions huge;
   huge.width = 1000000;

@@ -259,7 +259,7 @@ TEST_CASE("mistakes are answered with the nearest that there is", "[signal]") {
   says("distance(bob, robot, floor)", "two things");
   says("distance(bob, )", "two things");
   says("distance(bob, robt)", "did you mean 'robot'");
-  says("distance(bob, swing)", "'swing' is not a body");
+  says("distance(bob, swing)", "'swing' is no body");
   says("distance(bob, robot", "brackets");
   says("distance(bob, (robot))", "brackets");
   says("distnce(bob, robot)", "did you mean 'distance'");
