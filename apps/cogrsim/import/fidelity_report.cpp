@@ -68,12 +68,12 @@ void print_fidelity(const dsl::FidelityReport& report) {
     for (const dsl::ImportEntry& e : report.entries) {
       if (e.fidelity != fidelity) continue;
       if (++shown > kMost) break;
-      text += fmt::format("  {}{}{}: {}\n", e.position_text(), e.file.empty() ? "" : ": ", e.element,
-                          e.message);
+      text += fmt::format("  {}{}{}: {}\n", one_line(e.position_text()), e.file.empty() ? "" : ": ",
+                          one_line(e.element), one_line(e.message));
     }
     if (count > kMost)
       text += fmt::format("  and {} more; --report FILE.html lists all\n", count - kMost);
-    std::fputs(printable(text).c_str(), stderr);
+    std::fputs(text.c_str(), stderr);
   }
 }
 
