@@ -1,4 +1,6 @@
 // Geometry of shapes, and the files it comes from.
+#include <filesystem>
+
 #include "assets/mesh_file.h"
 #include "build/build_scene.h"
 
@@ -82,8 +84,12 @@ bool Builder::mesh(const Element& element, Shape& shape) {
       }
       loaded = std::make_shared<const TriangleMesh>(std::move(*scaled));
     }
+    std::error_code fault;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, fault);
     if (!copied(path, 128 * (loaded->vertices.size() + loaded->triangles.size()), at,
-                element.trail))
+                element.trail) ||
+        !dsl::spend(context_, work_beyond(*loaded, fault ? 0 : static_cast<std::size_t>(bytes)), at,
+                    element.trail))
       return false;
     known->second = static_cast<int>(model_.meshes.size());
     mesh_open_edges_.push_back(open_edges(*loaded));

@@ -5,8 +5,6 @@
 
 #include <filesystem>
 
-#include "cogrsim/core/parameter.h"
-
 namespace cogrsim::dsl::import {
 
 void MjcfReader::default_class(const XmlElement& e, const std::string& parent, bool top) {
@@ -77,7 +75,7 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
   if (known == classes_.end()) {
     std::vector<std::string> names;
     for (const auto& [n, d] : classes_) names.push_back(n);
-    const std::string near = nearest_name(name, names);
+    const std::string near = context_.near(name, names);
     context_.error(e.at, "CG1408", fmt::format("there is no default class '{}'", name),
                    near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     known = classes_.find("main");

@@ -139,7 +139,7 @@ const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std
   const auto known = mesh_masses_.find(key);
   if (known != mesh_masses_.end()) return known->second;
   const auto compute = [&]() -> Result<MassProperties> {
-    auto mesh = load_mesh(g.mesh, what, context_.options.limits.asset_bytes);
+    auto mesh = context_.mesh(g.mesh, what);
     if (!mesh) return tl::unexpected(mesh.error());
     for (Vec3& v : mesh->vertices) v = v.cwiseProduct(g.scale);
     if (g.scale.prod() < 0.0)
