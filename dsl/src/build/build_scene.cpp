@@ -71,6 +71,7 @@ SceneModelPtr Builder::build() {
   check_overlaps();
   check_mass_ratios();
   check_loads();
+  check_pivots();
   check_rates();
   check_drives();
   check_params();
