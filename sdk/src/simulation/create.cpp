@@ -146,7 +146,11 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
   if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));
-  for (const Diagnostic& d : found) impl->log.report(Severity::warning, "backend", d.message);
+  for (const Diagnostic& d : found) {
+    std::string text = d.message;
+    for (const auto& note : d.notes) text += ": " + note.message;
+    impl->log.report(Severity::warning, "backend", text);
+  }
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 
