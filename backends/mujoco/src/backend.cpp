@@ -102,7 +102,7 @@ class MujocoBackend final : public Backend {
     engine(StepStage::narrow_phase, "mj_collision: mjCOLLISIONFUNC");
     engine(StepStage::contact_memory, "mjData::qacc_warmstart");
     engine(StepStage::contact_law, "mj_makeConstraint, " + solve);
-    engine(StepStage::friction, "mj_makeConstraint, " + solve);
+    engine(StepStage::friction, "mj_makeConstraint (damping of bounces by CogRSim), " + solve);
     engine(StepStage::restitution, "solref of a damped spring");
     engine(StepStage::joints, "mjModel's joints, loops by mjEQ_CONNECT and mjEQ_WELD");
     engine(StepStage::limits, "mjCNSTR_LIMIT_JOINT, " + solve);

@@ -101,6 +101,8 @@ Result<Options> read_options(const SceneModel& model) {
        {"integrator", "solver", "cone", "jacobian", "iterations", "tolerance", "impratio"}) {
     out.option += fmt::format(" {}=\"{}\"", name, text(name));
   }
+  out.option +=
+      fmt::format(" o_margin=\"-1\" o_solref=\"{}\"", text("solref"));  // see keep_friction()
   out.flag = fmt::format("filterparent=\"disable\" multiccd=\"{}\"", text("multiccd"));
   out.solref = text("solref");
   out.contact = fmt::format("solimp=\"{}\" margin=\"{}\"", text("solimp"), text("margin"));
