@@ -94,6 +94,7 @@ Result<Options> read_options(const SceneModel& model) {
       return fail("'solimp" + about + "' must be five numbers", position);
   }
   Options out;
+  out.implicit = text("integrator") == "implicit";
   out.option =
       fmt::format("timestep=\"{}\" gravity=\"{}\" noslip_iterations=\"{}\"", model.physics.step,
                   numbers(model.physics.gravity.data(), 3), text("noslip-iterations"));
