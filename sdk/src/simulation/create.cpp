@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/physics/backend_choice.h"
+#include "cogrsim/physics/warnings.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
@@ -136,6 +137,8 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (std::none_of(found.begin(), found.end(), is_error)) {
     if (auto created = impl->host.create(); !created) {
       found.push_back(to_diagnostic(created.error(), "CG0801"));
+    } else if (auto* const world = impl->host.world().extension<WorldWarnings>()) {
+      for (Diagnostic& d : world->warnings()) found.push_back(std::move(d));
     }
   }
   for (const BuriedCamera& buried : buried_cameras(impl->model())) {
