@@ -60,6 +60,16 @@ bool is_below(const std::string& path, const std::string& folder) {
   return !relative.empty() && *relative.begin() != fs::path("..");
 }
 
+/// The name in a folder's package.xml, which need not be the folder's; empty: none.
+std::string package_name(const fs::path& folder) {
+  const std::string text =
+      read_whole_file((folder / "package.xml").string(), 1u << 20).value_or("");
+  const std::size_t begin = text.find("<name>"), end = text.find("</name>");
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return "";
+  std::string_view inside = std::string_view(text).substr(begin + 6, end - begin - 6);
+  return std::string(next_word(inside));
+}
+
 /// Folders named in an environment variable, separated by colons.
 std::vector<std::string> folders_in(const char* variable) {
   std::vector<std::string> out;
@@ -122,6 +132,8 @@ Context::Context(const std::string& path, const ImportOptions& given) : options(
     if (!fs::is_regular_file(up / "package.xml", fault)) continue;
     if (!may_read(up.string())) break;
     packages_.emplace(up.filename().string(), up.string());
+    if (const std::string name = package_name(up); !name.empty())
+      packages_.emplace(name, up.string());
     allowed_.push_back(up.string());
     break;
   }
@@ -206,10 +218,13 @@ const Result<Bounds>& Context::mesh_bounds(const std::string& path) {
     if (mesh_bytes_ > kMostMeshBytes)
       return fail(
           fmt::format("the model's meshes have more than {} MB together", kMostMeshBytes >> 20));
-    auto mesh = load_mesh(path, fs::path(path).filename().string(), options.limits.asset_bytes);
+    auto mesh = read_mesh(path, fs::path(path).filename().string(), options.limits.asset_bytes);
     if (!mesh) return tl::unexpected(mesh.error());
+    for (const std::string& file : mesh->files)
+      mesh_bytes_ += static_cast<std::size_t>(fs::file_size(file, fault));
+    looks_[path] = {mesh->color, mesh->differs, !mesh->files.empty(), is_gltf(path)};
     Bounds out;
-    for (const Vec3& v : mesh->vertices) out.add(v);
+    for (const Vec3& v : mesh->mesh.vertices) out.add(v);
     return out;
   };
   return bounds_.emplace(path, read()).first->second;

@@ -33,6 +33,14 @@ struct Bounds {
   }
 };
 
+/// What a mesh brings along beside its triangles.
+struct MeshLook {
+  std::optional<Color> color;
+  std::string differs;         ///< what of its appearance is not read
+  bool is_of_several = false;  ///< it was read from further files
+  bool is_gltf = false;
+};
+
 /// Thrown where reading cannot continue; the finding has been reported.
 struct Refused {};
 
@@ -54,6 +62,8 @@ class Context {
   Result<std::string> locate(const std::string& href, const Source& from);
   /// The extent of a mesh that locate() found, read once. Errors: the file is not a mesh.
   const Result<Bounds>& mesh_bounds(const std::string& path);
+  /// What else mesh_bounds() read of the mesh.
+  const MeshLook& mesh_look(const std::string& path) { return looks_[path]; }
   /// Whether a canonical path lies below the model's folder or a package.
   bool allowed(const std::string& path) const;
   /// As the user would name it.
@@ -98,6 +108,7 @@ class Context {
   std::vector<std::string> files_;    ///< by Source::file, canonical
   std::map<std::string, std::string> packages_;
   std::map<std::string, Result<Bounds>> bounds_;
+  std::map<std::string, MeshLook> looks_;
   std::size_t bytes_ = 0, mesh_bytes_ = 0;  ///< read so far
   std::size_t entries_left_ = 100000;
   bool failed_ = false;

@@ -75,6 +75,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     square_axes(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);
+    show_unseen(context, robot);
     separate_by_bits(context, robot);
     make_names(context, robot);
     write_scene(context, robot);

@@ -223,6 +223,9 @@ void square_axes(Context& context, RobotModel& robot);
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
 
+/// Shows the collision shapes of links of which nothing else is seen, which is reported.
+void show_unseen(Context& context, RobotModel& robot);
+
 /// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.
 void separate_by_bits(Context& context, RobotModel& robot);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "assets/mesh_text.h"
 #include "cogrsim/core/parameter.h"
 #include "import/gazebo.h"
 
@@ -110,7 +111,7 @@ class UrdfReader {
       if (!(out.radius > 0.0) || !(out.length > 0.0)) return empty_shape(s);
     } else if (s.name == "mesh") {
       out.type = Geometry::Type::mesh;
-      out.scale = context_.vec3(s, "scale", Vec3::Ones());
+      out.scale = scale(s);
       const std::string* file = s.find("filename");
       if (file == nullptr || file->empty()) {
         context_.error(s.at, "CG1404", "<mesh> has no filename");
@@ -130,6 +131,17 @@ class UrdfReader {
       return std::nullopt;
     }
     return out;
+  }
+
+  /// Three factors; one, as some programs write it, is that of all axes.
+  Vec3 scale(const XmlElement& s) {
+    const std::string* text = s.find("scale");
+    if (text == nullptr) return Vec3::Ones();
+    std::string_view rest = *text;
+    next_word(rest);
+    if (!next_word(rest).empty()) return context_.vec3(s, "scale", Vec3::Ones());
+    context_.exact(s.at, "scale of <mesh>", "has one factor, which is taken for all axes");
+    return Vec3::Constant(context_.number(s, "scale", 1.0));
   }
 
   std::optional<Geometry> empty_shape(const XmlElement& s) {
@@ -297,6 +309,14 @@ class UrdfReader {
       return -1;
     }
     const int index = robot_.link(*link);
+    if (index < 0 && *link == "world" && std::string_view(tag) == "parent") {
+      RobotLink world;  // as if it were declared: check_tree() makes it the world
+      world.name = *link;
+      world.at = c->at;
+      context_.exact(c->at, "link 'world'", "is not declared");
+      robot_.links.push_back(std::move(world));
+      return static_cast<int>(robot_.links.size()) - 1;
+    }
     if (index < 0) {
       std::vector<std::string> known;
       for (const RobotLink& l : robot_.links) known.push_back(l.name);

@@ -130,11 +130,30 @@ class SceneWriter {
         s.spinning_friction = std::max(s.spinning_friction, o.spinning_friction);
         break;
       }
+      if (s.geometry.type == Geometry::Type::mesh) look(l, s);
       inner += shape(l, s, start_.poses()[index]);
     }
     for (const RobotFrame& f : l.frames)
       inner += fmt::format("      <frame name=\"{}\"{}/>\n", f.name, pose_text(f.X));
     out += inner.empty() ? "/>\n" : ">\n" + inner + "    </body>\n";
+  }
+
+  /// Takes the colour that a mesh brings along, and reports how else it looks.
+  void look(const RobotLink& l, RobotShape& s) {
+    const std::string& file = s.geometry.mesh;
+    if (!context_.mesh_bounds(file)) return;
+    const MeshLook& look = context_.mesh_look(file);
+    std::string differs;
+    if (look.is_gltf && context_.result.format == "SDF")
+      differs = "its y axis points up, as glTF and Drake have it; Gazebo does not turn it";
+    if (s.visible && !s.color) {
+      s.color = look.color;
+      if (!look.differs.empty()) add_to(differs, look.differs);
+    }
+    if (!differs.empty())
+      context_.approximate(
+          s.at, fmt::format("mesh '{}' of '{}'", fs::path(file).filename().string(), l.name),
+          differs);
   }
 
   static bool same(const RobotShape& a, const RobotShape& b) {
@@ -369,10 +388,28 @@ class SceneWriter {
     const std::string stem = fs::path(name).stem().string();
     const std::string tail = fs::path(name).extension().string();
     std::string full = folder + "/" + name;
-    for (int i = 2; !file_names_.insert(full).second; ++i)
+    for (int i = 2;; ++i) {
+      if (const auto known = written_.find(full); known != written_.end()) {
+        if (context_.result.files[known->second].bytes == bytes) return full;
+      } else if (is_free(full, bytes)) {
+        break;
+      }
       full = fmt::format("{}/{}_{}{}", folder, stem, i, tail);
+    }
+    written_.emplace(full, context_.result.files.size());
     context_.result.files.push_back({full, std::move(bytes)});
     return full;
+  }
+
+  /// Whether no other file of this name is beside the scene: another robot may have put it there.
+  bool is_free(const std::string& name, const std::string& bytes) const {
+    const ImportOptions& options = context_.options;
+    const fs::path path =
+        fs::path(options.scene_folder.empty() ? context_.folder() : options.scene_folder) / name;
+    std::error_code fault;
+    if (!fs::exists(path, fault)) return true;
+    return fs::is_regular_file(path, fault) && fs::file_size(path, fault) == bytes.size() &&
+           read_whole_file(path.string(), bytes.size()).value_or("") == bytes;
   }
 
   /// The file's name for the scene; empty: left out.
@@ -404,8 +441,12 @@ class SceneWriter {
     });
     if (options.copy_meshes.empty() && inside && plain) return text;
     if (options.refer) return "";
-    return add_file(fs::path(path).filename().string(),
-                    read_whole_file(path, options.limits.asset_bytes).value_or(""));
+    const fs::path name = fs::path(path).filename();
+    if (!context_.mesh_look(path).is_of_several)
+      return add_file(name.string(),
+                      read_whole_file(path, options.limits.asset_bytes).value_or(""));
+    const auto whole = load_mesh(path, name.string(), options.limits.asset_bytes);
+    return whole ? add_file(name.stem().string() + ".obj", obj_text(*whole)) : "";
   }
 
   static void passive(const RobotJoint& j, bool slides, std::string& out) {
@@ -727,7 +768,8 @@ class SceneWriter {
   std::map<std::string, Parts> parts_;         // path → its convex parts
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
-  std::set<std::string> file_names_, shape_names_;
+  std::map<std::string, std::size_t> written_;       // file of the result by its name
+  std::set<std::string> shape_names_;
 };
 
 }  // namespace
