@@ -76,6 +76,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     repair_inertias(context, robot);
     weld(context, robot);
     separate_by_bits(context, robot);
+    set_scenery_apart(context, robot);
     make_names(context, robot);
     write_scene(context, robot);
   } catch (const Refused&) {
