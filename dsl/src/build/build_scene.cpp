@@ -103,6 +103,7 @@ void Builder::matter_and_devices() {
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "couple") coupling(element);
   });
+  coupling_cycles();
   for_each(scene_, [&](const Element& element) {
     const std::string_view tag = element.tag();
     if (tag == "motor" || tag == "servo")

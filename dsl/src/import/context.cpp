@@ -25,6 +25,19 @@ std::size_t FidelityReport::count(Fidelity fidelity) const {
                     [&](const ImportEntry& e) { return e.fidelity == fidelity; }));
 }
 
+std::vector<const ImportEntry*> FidelityReport::by_weight() const {
+  std::vector<const ImportEntry*> out;
+  for (const ImportEntry& e : entries) out.push_back(&e);
+  const auto weight = [](const ImportEntry* e) {
+    const bool exact = e->fidelity == Fidelity::exact;
+    return std::pair(e->moves && !exact, static_cast<int>(e->fidelity));
+  };
+  std::stable_sort(out.begin(), out.end(), [&](const ImportEntry* a, const ImportEntry* b) {
+    return weight(a) > weight(b);
+  });
+  return out;
+}
+
 }  // namespace cogrsim::dsl
 
 namespace cogrsim::dsl::import {
@@ -291,6 +304,7 @@ void Context::add(Fidelity fidelity, const Source& at, std::string element, std:
   entry.fidelity = fidelity;
   entry.element = std::move(element);
   entry.message = std::move(message);
+  entry.moves = asides_ == 0;
   if (at.file >= 0) entry.file = shown(path_of(at.file));
   entry.line = at.line;
   entry.column = at.column;

@@ -79,6 +79,22 @@ class Context {
   void exact_unless(const Source& at, std::string element, std::string differs,
                     const std::string& message = {});
   void left_out(const Source& at, std::string element, std::string message);
+  /// Left out, and the model moves as before.
+  void left_aside(const Source& at, std::string element, std::string message) {
+    const Aside aside(*this);
+    left_out(at, std::move(element), std::move(message));
+  }
+  /// While it lives, findings change no motion: sensors, looks, what other programs use.
+  class Aside {
+   public:
+    explicit Aside(Context& context) : context_(context) { ++context_.asides_; }
+    ~Aside() { --context_.asides_; }
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+
+   private:
+    Context& context_;
+  };
   /// An error of the source; reading continues, but no scene is made.
   void error(const Source& at, std::string code, std::string message, std::string help = {});
   /// An error after which nothing can be read.
@@ -111,6 +127,7 @@ class Context {
   std::map<std::string, MeshLook> looks_;
   std::size_t bytes_ = 0, mesh_bytes_ = 0;  ///< read so far
   std::size_t entries_left_ = 100000;
+  int asides_ = 0;
   bool failed_ = false;
 };
 

@@ -77,6 +77,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     weld(context, robot);
     show_unseen(context, robot);
     separate_by_bits(context, robot);
+    set_scenery_apart(context, robot);
     make_names(context, robot);
     write_scene(context, robot);
   } catch (const Refused&) {

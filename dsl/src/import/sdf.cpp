@@ -56,7 +56,7 @@ class SdfReader {
       else if (e->name == "light")
         light(*e, pose(*e), false);
       else if (e->name == "actor")
-        context_.left_out(e->at, quoted_name(*e), "concerns appearance only");
+        context_.left_aside(e->at, quoted_name(*e), "concerns appearance only");
       else
         left_out(*e);
     }
@@ -257,7 +257,7 @@ class SdfReader {
       } else if (c->name == "scene" || c->name == "gui" || c->name == "actor" ||
                  c->name == "atmosphere" || c->name == "magnetic_field" || c->name == "audio" ||
                  c->name == "spherical_coordinates") {
-        context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
+        context_.left_aside(c->at, quoted_name(*c), "concerns appearance or environment");
       } else if (c->name != "frame" && c->name != "gravity" && c->name != "joint" &&
                  c->name != "plugin") {
         left_out(*c);
@@ -550,6 +550,10 @@ class SdfReader {
       out.color->a *= 1.0 - *t;
     }
     out.contact_type = out.contact_affinity = kAllBits;
+    // Gazebo's engines take the smaller friction of a pair, and multiply restitutions.
+    if (!visual) out.friction = 1.0;
+    out.friction_combine = CombineRule::min;
+    out.restitution_combine = CombineRule::multiply;
     if (const XmlElement* surface = e.child("surface")) {
       if (const XmlElement* of = surface->child("friction")) friction(e, *of, out);
       if (const XmlElement* of = surface->child("contact"); of != nullptr)

@@ -125,9 +125,9 @@ std::vector<CodeInfo> scene_codes() {
        "no texture.",
        "<material name=\"floor\" texture=\"pictures/floor.png\" texture-size=\"2 m\"/>"},
       {"CG0714", error, "a coupling that cannot hold",
-       "A `couple` couples joints with one axis (hinge, slider, screw), each joint once and not "
-       "with "
-       "itself; there is one `ratio` for each joint in `to`; the initial positions and velocities "
+       "A `couple` couples joints with one axis (hinge, slider, screw), each joint once, not "
+       "with itself, and not in a cycle, where joints would follow each other; there is one "
+       "`ratio` for each joint in `to`; the initial positions and velocities "
        "of "
        "the joints satisfy it.",
        "Correct the attribute that the message names. A joint without `position` starts where the "
