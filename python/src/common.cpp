@@ -297,4 +297,10 @@ py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape) {
               owner_of(memory));
 }
 
+py::array rows_of(const std::vector<Vec3>& vectors) {
+  std::vector<double> values;
+  for (const Vec3& v : vectors) values.insert(values.end(), {v.x(), v.y(), v.z()});
+  return owned(std::move(values), {static_cast<py::ssize_t>(vectors.size()), 3});
+}
+
 }  // namespace cogrsim::python

@@ -148,6 +148,8 @@ py::array view(const py::dtype& type, std::vector<py::ssize_t> shape,
                std::vector<py::ssize_t> strides, const void* data, const py::object& owner);
 /// A read-only array that owns `values`.
 py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape);
+/// A read-only array (n, 3) of its own.
+py::array rows_of(const std::vector<Vec3>& vectors);
 /// Name of a view's owner in Python.
 py::object owner_of(std::shared_ptr<const void> memory);
 

@@ -26,6 +26,19 @@ std::size_t FidelityReport::count(Fidelity fidelity) const {
                     [&](const ImportEntry& e) { return e.fidelity == fidelity; }));
 }
 
+std::vector<const ImportEntry*> FidelityReport::by_weight() const {
+  std::vector<const ImportEntry*> out;
+  for (const ImportEntry& e : entries) out.push_back(&e);
+  const auto weight = [](const ImportEntry* e) {
+    const bool exact = e->fidelity == Fidelity::exact;
+    return std::pair(e->moves && !exact, static_cast<int>(e->fidelity));
+  };
+  std::stable_sort(out.begin(), out.end(), [&](const ImportEntry* a, const ImportEntry* b) {
+    return weight(a) > weight(b);
+  });
+  return out;
+}
+
 }  // namespace cogrsim::dsl
 
 namespace cogrsim::dsl::import {
@@ -71,6 +84,16 @@ std::string canonical(const std::string& path) {
 bool is_below(const std::string& path, const std::string& folder) {
   const fs::path relative = fs::path(path).lexically_relative(folder);
   return !relative.empty() && *relative.begin() != fs::path("..");
+}
+
+/// The name in a folder's package.xml, which need not be the folder's; empty: none.
+std::string package_name(const fs::path& folder) {
+  const std::string text =
+      read_whole_file((folder / "package.xml").string(), 1u << 20).value_or("");
+  const std::size_t begin = text.find("<name>"), end = text.find("</name>");
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return "";
+  std::string_view inside = std::string_view(text).substr(begin + 6, end - begin - 6);
+  return std::string(next_word(inside));
 }
 
 /// Folders named in an environment variable, separated by colons.
@@ -142,6 +165,8 @@ Context::Context(const std::string& path, const ImportOptions& given)
     if (!fs::is_regular_file(up / "package.xml", fault)) continue;
     if (!may_read(up.string())) break;
     packages_.emplace(up.filename().string(), up.string());
+    if (const std::string name = package_name(up); !name.empty())
+      packages_.emplace(name, up.string());
     allowed_.push_back(up.string());
     break;
   }
@@ -253,17 +278,28 @@ bool Context::may_read(const std::string& folder) const {
          });
 }
 
-Result<TriangleMesh> Context::mesh(const std::string& path, const std::string& name) {
+Result<LoadedMesh> Context::mesh(const std::string& path, const std::string& name) {
   std::error_code fault;
-  const std::uintmax_t size = fs::file_size(path, fault);
-  if (!fault) mesh_bytes_ += static_cast<std::size_t>(size);
-  if (mesh_bytes_ > kMostMeshBytes)
+  std::size_t size = 0;
+  const auto count = [&](const std::string& file) {
+    const std::uintmax_t bytes = fs::file_size(file, fault);
+    size += fault ? 0 : static_cast<std::size_t>(bytes);
+  };
+  count(path);
+  if (mesh_bytes_ + size > kMostMeshBytes)
     return fail(
         fmt::format("the model's meshes have more than {} MB together", kMostMeshBytes >> 20));
   // For its extent, its mass and its parts; each further scale reads it again.
-  if (++mesh_reads_[path] > 4) spend(32 * static_cast<std::size_t>(size), {});
-  auto mesh = load_mesh(path, name, options.limits.asset_bytes);
-  if (mesh) spend(work_beyond(*mesh, static_cast<std::size_t>(size)), {});
+  if (++mesh_reads_[path] > 4) spend(32 * size, {});
+  auto mesh = read_mesh(path, name, options.limits.asset_bytes);
+  if (mesh) {
+    for (const std::string& file : mesh->files) {
+      count(file);
+      note_read(file);
+    }
+    spend(work_beyond(mesh->mesh, size), {});
+  }
+  mesh_bytes_ += size;
   return mesh;
 }
 
@@ -273,8 +309,9 @@ const Result<Bounds>& Context::mesh_bounds(const std::string& path) {
   const auto read = [&]() -> Result<Bounds> {
     const auto of = mesh(path, fs::path(path).filename().string());
     if (!of) return tl::unexpected(of.error());
+    looks_[path] = {of->color, of->differs, !of->files.empty(), is_gltf(path)};
     Bounds out;
-    for (const Vec3& v : of->vertices) out.add(v);
+    for (const Vec3& v : of->mesh.vertices) out.add(v);
     return out;
   };
   return bounds_.emplace(path, read()).first->second;
@@ -349,6 +386,7 @@ void Context::add(Fidelity fidelity, const Source& at, std::string element, std:
   entry.message = std::move(message);
   entry.element = shortened(std::move(entry.element), kLongestEntry);
   entry.message = shortened(std::move(entry.message), kLongestEntry);
+  entry.moves = asides_ == 0;
   if (at.file >= 0) entry.file = shown(path_of(at.file));
   entry.line = at.line;
   entry.column = at.column;

@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "assets/mesh_file.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/core/types.h"
 #include "cogrsim/dsl/import_model.h"
-#include "cogrsim/model/shapes.h"
 #include "import/xml_tree.h"
 #include "syntax/work.h"
 
@@ -34,6 +34,14 @@ struct Bounds {
     out.add(high.cwiseProduct(by));
     return out;
   }
+};
+
+/// What a mesh brings along beside its triangles.
+struct MeshLook {
+  std::optional<Color> color;
+  std::string differs;         ///< what of its appearance is not read
+  bool is_of_several = false;  ///< it was read from further files
+  bool is_gltf = false;
 };
 
 /// Thrown where reading cannot continue; the finding has been reported.
@@ -59,9 +67,11 @@ class Context {
   Result<std::string> locate(const std::string& href, const Source& from);
   /// A mesh that locate() found. What it has beyond the size of its file is work. Throws Refused.
   /// Errors: the file is not a mesh; they begin with `name`.
-  Result<TriangleMesh> mesh(const std::string& path, const std::string& name);
+  Result<LoadedMesh> mesh(const std::string& path, const std::string& name);
   /// The extent of a mesh that locate() found, read once. Errors: the file is not a mesh.
   const Result<Bounds>& mesh_bounds(const std::string& path);
+  /// What else mesh_bounds() read of the mesh.
+  const MeshLook& mesh_look(const std::string& path) { return looks_[path]; }
   /// Whether a canonical path lies below the model's folder or a package.
   bool allowed(const std::string& path) const;
   /// As the user would name it.
@@ -86,6 +96,22 @@ class Context {
   void exact_unless(const Source& at, std::string element, std::string differs,
                     const std::string& message = {});
   void left_out(const Source& at, std::string element, std::string message);
+  /// Left out, and the model moves as before.
+  void left_aside(const Source& at, std::string element, std::string message) {
+    const Aside aside(*this);
+    left_out(at, std::move(element), std::move(message));
+  }
+  /// While it lives, findings change no motion: sensors, looks, what other programs use.
+  class Aside {
+   public:
+    explicit Aside(Context& context) : context_(context) { ++context_.asides_; }
+    ~Aside() { --context_.asides_; }
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+
+   private:
+    Context& context_;
+  };
   /// An error of the source; reading continues, but no scene is made.
   void error(const Source& at, std::string code, std::string message, std::string help = {});
   /// An error after which nothing can be read.
@@ -119,11 +145,13 @@ class Context {
   std::map<std::string, std::unique_ptr<XmlElement>> trees_;  ///< of parsed files
   std::map<std::string, Result<Bounds>> bounds_;
   std::map<std::string, int> mesh_reads_;
+  std::map<std::string, MeshLook> looks_;
   std::size_t bytes_ = 0, mesh_bytes_ = 0;  ///< read so far
   std::size_t own_work_ = kMostWork;
   std::size_t* work_;                    ///< own_work_, or that of the scene that imports this
   std::size_t near_left_ = 200'000'000;  ///< steps of comparing names
   std::size_t entries_left_ = 100000;
+  int asides_ = 0;
   bool failed_ = false;
 };
 

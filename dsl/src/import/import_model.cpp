@@ -78,7 +78,9 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     square_axes(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);
+    show_unseen(context, robot);
     separate_by_bits(context, robot);
+    set_scenery_apart(context, robot);
     make_names(context, robot);
     robot.names_changed();
     write_scene(context, robot);

@@ -551,6 +551,29 @@ void weld(Context& context, RobotModel& robot) {
   check_finite(context, robot);
 }
 
+void show_unseen(Context& context, RobotModel& robot) {
+  const auto is_seen = [&](const RobotShape& s) {
+    return s.visible && (s.geometry.type != Geometry::Type::mesh ||
+                         context.mesh_bounds(s.geometry.mesh).has_value());
+  };
+  constexpr std::size_t kMostNamed = 5;
+  std::string names;
+  std::size_t count = 0;
+  const RobotLink* first = nullptr;
+  for (RobotLink& l : robot.links) {
+    const bool collides = std::any_of(l.shapes.begin(), l.shapes.end(),
+                                      [](const RobotShape& s) { return s.collides; });
+    if (!collides || std::any_of(l.shapes.begin(), l.shapes.end(), is_seen)) continue;
+    for (RobotShape& s : l.shapes) s.visible = s.visible || s.collides;
+    if (first == nullptr) first = &l;
+    if (++count <= kMostNamed) add_to(names, "'" + l.name + "'", ", ");
+  }
+  if (count == 0) return;
+  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
+  context.approximate(first->at, fmt::format("{} {}", count == 1 ? "link" : "links", names),
+                      "nothing would be seen: the collision shapes are shown");
+}
+
 namespace {
 
 std::string legal(const std::string& name) {

@@ -13,6 +13,7 @@
 #include "cogrsim/core/roll_pitch_yaw.h"
 #include "cogrsim/core/types.h"
 #include "cogrsim/model/mass_properties.h"
+#include "cogrsim/model/shapes.h"
 #include "import/context.h"
 
 namespace cogrsim::dsl::import {
@@ -58,7 +59,22 @@ struct RobotShape {
   std::optional<double> friction;
   double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m]
   double restitution = 0.0;
+  CombineRule friction_combine = CombineRule::usual, restitution_combine = CombineRule::usual;
+  int material = -1;  ///< by RobotModel::materials, which then has what is above; -1: none
   Source at;
+};
+
+/// What shapes have in common that RobotContact names.
+struct RobotMaterial {
+  std::string name;
+  double friction = 0.0, rolling_friction = 0.0, spinning_friction = 0.0;
+  CombineRule friction_combine = CombineRule::usual;
+};
+
+/// What holds between two materials, by RobotModel::materials.
+struct RobotContact {
+  std::size_t a = 0, b = 0;
+  double friction = 0.0, rolling_friction = 0.0, spinning_friction = 0.0;
 };
 
 struct RobotInertia {
@@ -96,12 +112,16 @@ struct RobotLink {
   std::vector<RobotFrame> frames;
   std::vector<RobotSensor> sensors;
   bool is_static = false;
+  bool is_ground = false;   ///< the world of the source itself
+  bool is_scenery = false;  ///< stands around the robot and is no part of it
   double gravity_scale = 1.0;
   /// Links of one model, 0 or above, touch each other only where one of them does so by itself.
   int model = -1;
   bool self_collides = false;
   bool in_wind = false;
   double drag = 0.0;  ///< at its centre of mass [N s/m]
+  /// Force per speed of its origin, and torque per angular speed [N s/m, N m s/rad].
+  double free_damping = 0.0;
   std::optional<RobotFluid> fluid;
   Source at;
 };
@@ -126,7 +146,17 @@ struct AxisLaw {
 };
 
 struct RobotJoint : AxisLaw {
-  enum class Type { fixed, hinge, slider, ball, planar, free, universal, screw } type = Type::fixed;
+  enum class Type {
+    fixed,
+    hinge,
+    slider,
+    ball,
+    planar,
+    free,
+    universal,
+    screw,
+    gimbal
+  } type = Type::fixed;
   std::string name;
   int parent = -1;  ///< by RobotModel::links; -1: the world
   int child = -1;
@@ -137,7 +167,7 @@ struct RobotJoint : AxisLaw {
   AxisLaw second;                ///< of a universal joint's second axis
   double rotor_inertia = 0.0;    ///< added to the axis [kg m^2] or [kg]
   double position = 0.0;         ///< at the start
-  Quat turn = Quat::Identity();  ///< of a ball at the start
+  Quat turn = Quat::Identity();  ///< of a ball or gimbal at the start
   double pitch = 0.0;            ///< of a screw [m/turn]
   std::optional<RobotCoupling> coupling;
   Source at;
@@ -150,10 +180,13 @@ struct RobotJoint : AxisLaw {
 /// A motor or servo on a joint.
 struct RobotDrive {
   std::string name, joint;
+  int axis = 1;  ///< of a gimbal, from 1
   enum class Mode { position, velocity, torque } mode = Mode::torque;
   double kp = 0.0, ki = 0.0, kd = 0.0;  ///< of a position drive
   double max_effort = std::numeric_limits<double>::infinity();
   std::optional<double> target;
+  double min_target = -std::numeric_limits<double>::infinity();
+  double max_target = std::numeric_limits<double>::infinity();
   std::vector<std::string> followers;  ///< joints that it moves too, by their couplings
   Source at;
 };
@@ -185,6 +218,10 @@ struct RobotModel {
   std::vector<RobotDrive> drives;
   std::vector<RobotSpring> springs;
   std::vector<RobotLight> lights;
+  std::vector<RobotMaterial> materials;
+  std::vector<RobotContact> contacts;
+  /// Attributes of <mujoco> in <physics>: what one engine does, and others do not have.
+  std::vector<std::pair<std::string, std::string>> of_mujoco;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
   /// What in the source says which shapes touch, and the bits of what is not in it.
@@ -242,12 +279,21 @@ void square_axes(Context& context, RobotModel& robot);
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
 
+/// Shows the collision shapes of links of which nothing else is seen, which is reported.
+void show_unseen(Context& context, RobotModel& robot);
+
 /// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.
 void separate_by_bits(Context& context, RobotModel& robot);
+
+/// Marks what stands around the robot; see RobotLink::is_scenery.
+void set_scenery_apart(Context& context, RobotModel& robot);
 
 /// Names that the scene language takes, unique among bodies, joints, frames, drives and sensors;
 /// what was renamed is reported.
 void make_names(Context& context, RobotModel& robot);
+
+/// A name that a scene takes, of the robot's.
+std::string scene_name(std::string name);
 
 /// Writes the scene, and fills `context.result.files` with the meshes that belong beside it.
 void write_scene(Context& context, const RobotModel& robot);

@@ -103,6 +103,9 @@ class SourceFiles {
   /// the scene's folder or a library folder, and within limits. Empty: reported, at `at`.
   std::string resolve_asset(std::string_view href, const SourceSpan& at);
 
+  /// Files that others brought along.
+  void add_read(const std::vector<std::string>& paths) { read_.insert(paths.begin(), paths.end()); }
+
   const SourceFile& file(int index) const { return *files_[index]; }
   int size() const { return static_cast<int>(files_.size()); }
 

@@ -29,12 +29,16 @@ struct ImportEntry : SourcePosition {
   Fidelity fidelity = Fidelity::exact;
   std::string element;  ///< "joint 'elbow'"
   std::string message;  ///< empty where there is nothing to add
+  /// Whether it may change how the model moves; false: sensors, looks, what other programs use.
+  bool moves = true;
 };
 
 /// What became of every element of a conversion.
 struct FidelityReport {
   std::vector<ImportEntry> entries;  ///< in the order of the source
   COGRSIM_API std::size_t count(Fidelity fidelity) const;
+  /// What changes the motion first, then what is left out, then what is approximate.
+  COGRSIM_API std::vector<const ImportEntry*> by_weight() const;
 };
 
 /// Motors that an imported joint gets where the source names none.
