@@ -157,8 +157,10 @@ class ImplicitDrives {
   /// round, by the speed `u` at the end of the step; corrects this for a repetition of the step.
   bool correct(std::size_t k, double u, bool release) {
     if (stiff_[k].damping == 0.0 || (at_bound[k] != 0 && !release)) return false;
-    const double wanted = effort(k, u);
-    const int now = std::abs(wanted) < stiff_[k].max_effort ? 0 : wanted < 0.0 ? -1 : 1;
+    const double wanted = effort(k, u), most = stiff_[k].max_effort;
+    const int beyond = std::abs(wanted) < most ? 0 : wanted < 0.0 ? -1 : 1;
+    // From its bound a drive comes within it before it is tried at the other one.
+    const int now = at_bound[k] != 0 && beyond != at_bound[k] ? 0 : beyond;
     return std::exchange(at_bound[k], now) != now;
   }
 
