@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/control/controller.h"
+#include "cogrsim/core/json_bounds.h"
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/rendering/renderer.h"
 #include "connection.h"
 
@@ -99,7 +101,10 @@ class SocketController final : public Controller {
   }
 
   Json message(Deadline deadline) {
-    const Json message = Json::parse(connection_->receive(deadline), nullptr, false);
+    const std::string text = connection_->receive(deadline);
+    if (const std::string excess = json_excess(text); !excess.empty())
+      throw std::runtime_error("the client sent a message that " + excess);
+    const Json message = Json::parse(text, nullptr, false);
     if (!message.is_object()) throw std::runtime_error("the client sent no JSON object");
     return message;
   }
@@ -112,8 +117,8 @@ class SocketController final : public Controller {
 
   void connect() {
     if (::isatty(STDERR_FILENO) == 1)
-      std::fprintf(stderr, "waits for a controller of '%s' at %s\n", robot_->name().c_str(),
-                   address_.c_str());
+      std::fprintf(stderr, "waits for a controller of '%s' at %s\n",
+                   one_line(robot_->name()).c_str(), one_line(address_).c_str());
     const Deadline deadline = after(wait_);
     connection_ = listener_->accept(deadline);
     const Json hello = message(deadline);

@@ -52,7 +52,7 @@ void finish(PyRecorder& self) {
   self.finished = true;
   const RunStatus status = self.session->simulation->status();
   const Result<> done = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return self.recorder->finish(status == RunStatus::running ? RunStatus::completed : status);
   }();
   check(done);
@@ -77,11 +77,11 @@ std::size_t index_in(const PyRecording& self, py::ssize_t index) {
 template <class Visit>
 void visit_frames(PyRecording& self, const FrameContents& wanted, const std::string& who,
                   Visit&& visit) {
-  const py::gil_scoped_release unlock;
+  const Unlock unlock;
   for (std::size_t i = 0; i < self.recording->frame_count(); ++i) {
     const auto frame = self.recording->frame(i);
     if (!frame || i % 256 == 255 || !covers((*frame)->contents, wanted)) {
-      const py::gil_scoped_acquire lock;
+      const Lock lock;
       if (!frame) raise(frame.error());
       check_contents(**frame, wanted, who);
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -190,7 +190,7 @@ void bind_recording(py::module_& m) {
         auto out = std::make_shared<PyRecording>();
         out->path = path_of(path);
         Result<std::unique_ptr<Recording>> opened = [&] {
-          const py::gil_scoped_release unlock;
+          const Unlock unlock;
           return Recording::open(out->path);
         }();
         out->recording = value_of(std::move(opened));

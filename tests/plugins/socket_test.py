@@ -217,7 +217,8 @@ class Socket(unittest.TestCase):
         hello = message({"type": "hello", "protocol": 1})
         for bad, text in ((b"\xff\xff\xff\xff", "announced a message"),
                           (message(b"no json"), "no JSON object"),
-                          (message(b"[" * 100000), "no JSON object"),
+                          (message(b"[" * 100000), "nested deeper than 64"),
+                          (message(b"[" + b"[]," * 300000 + b"0]"), "more than 200000 values"),
                           (message({"type": "update"}), "'set' was expected"),
                           (message({"type": "set", "targets": [1, 2]}), "expected 1"),
                           (message({"type": "set", "targets": {"troque": 1}}), "no motor 'troque'"),

@@ -13,7 +13,7 @@ namespace {
 // XML 1.0 takes no control characters but tab and newline, and attributes no newline as it is.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : html_escaped(printable(text))) {
+  for (const char c : html_escaped(text)) {
     if (c == '\n') {
       out += "&#10;";
     } else {

@@ -34,7 +34,7 @@ class UrdfReader {
  private:
   // An element that this reader does not know is never passed over in silence.
   void unknown(const XmlElement& e, const XmlElement& in, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(e.name, known);
+    const std::string near = context_.near(e.name, known);
     context_.left_out(e.at, fmt::format("<{}> of {}", e.name, quoted_name(in)),
                       near.empty()
                           ? "is not an element of URDF"
@@ -297,8 +297,8 @@ class UrdfReader {
   }
 
   /// The help of an error: "did you mean 'base'?"; empty: no name is near.
-  static std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(wanted, known);
+  std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
+    const std::string near = context_.near(wanted, known);
     return near.empty() ? "" : fmt::format("did you mean '{}'?", near);
   }
 
@@ -416,7 +416,7 @@ class UrdfReader {
     }
     std::string message = "is not an element of URDF";
     const std::string near =
-        nearest_name(e.name, {"link", "joint", "material", "transmission", "gazebo"});
+        context_.near(e.name, {"link", "joint", "material", "transmission", "gazebo"});
     if (!near.empty()) message += fmt::format("; did you mean <{}>?", near);
     context_.left_out(e.at, quoted_name(e), message);
   }
@@ -467,6 +467,7 @@ class UrdfReader {
       if (c->name == "mu1" && link >= 0) {
         const auto mu = context_.numbers(*c, text, 1, 1, "the friction");
         if (!mu || (*mu)[0] < 0.0) continue;
+        context_.spend(robot_.links[link].shapes.size(), c->at);
         for (RobotShape& s : robot_.links[link].shapes) {
           s.friction = (*mu)[0];
           s.friction_combine = CombineRule::min;  // as Gazebo's engines do

@@ -22,6 +22,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Steps of finding convex parts: a second for a model, and ten for each MB of its meshes.
+constexpr std::size_t kStepsOfModel = 1'000'000'000, kStepsOfByte = 10'000;
+
 class SceneWriter {
  public:
   SceneWriter(Context& context, const RobotModel& robot)
@@ -299,14 +302,21 @@ class SceneWriter {
     Parts& parts = known->second;
     if (is_new) {
       const fs::path path = s.geometry.mesh;
-      const auto mesh = load_mesh(path, path.filename().string(), options.limits.asset_bytes);
+      const auto mesh = context_.mesh(path, path.filename().string());
       if (!mesh) return {};
       if (options.decomposing) options.decomposing(path.filename().string());
       geometry::ConvexPartsOptions how;
       how.most = options.convex_parts;
-      geometry::ConvexParts found = geometry::convex_parts(*mesh, how);
+      // A small file does not keep a machine busy; a large one may take longer.
+      std::error_code fault;
+      const std::uintmax_t bytes = fs::file_size(path, fault);
+      steps_left_ += fault ? 0 : kStepsOfByte * static_cast<std::size_t>(bytes);
+      how.steps = steps_left_;
+      geometry::ConvexParts found = geometry::convex_parts(mesh->mesh, how);
       parts.excess = found.excess;
       parts.excess_of_hull = found.excess_of_hull;
+      parts.cut_short = found.cut_short;
+      steps_left_ -= std::min(steps_left_, found.steps);
       if (found.hulls.size() > 1)
         for (std::size_t i = 0; i < found.hulls.size(); ++i)
           parts.files.push_back(add_file(fmt::format("{}_part{}.obj", path.stem().string(), i + 1),
@@ -317,8 +327,9 @@ class SceneWriter {
     context_.approximate(
         s.at, fmt::format("collision mesh of '{}'", l.name),
         fmt::format("collides as {} convex parts, which cover {:.2g} % too much; its hull would "
-                    "cover {:.2g} %",
-                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull));
+                    "cover {:.2g} %{}",
+                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull,
+                    parts.cut_short ? "; better ones take too long to find" : ""));
     return parts.files;
   }
 
@@ -348,10 +359,14 @@ class SceneWriter {
     const Geometry& g = s.geometry;
     const HeightField& field = *g.heights;
     std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
+    auto pay = [&, paid = std::size_t{0}]() mutable {
+      context_.spend(4 * (text.size() - paid), s.at);
+      paid = text.size();
+    };
     // Rows of a scene begin at the lowest y, those of a file at the highest.
     if (field.samples.size() <= kMostInScene || context_.options.prototype_only) {
       for (int r = field.rows - 1; r >= 0; --r)
-        for (int c = 0; c < field.columns; ++c)
+        for (int c = 0; c < field.columns; ++c, pay())
           text += fmt::format("{}{}", text.empty() ? "" : " ",
                               g.size[2] * field.samples[r * field.columns + c]);
       return {"heightmap",
@@ -359,7 +374,7 @@ class SceneWriter {
     }
     auto& file = hills_[g.heights.get()];
     if (file.empty()) {
-      for (std::size_t i = 0; i < field.samples.size(); ++i)
+      for (std::size_t i = 0; i < field.samples.size(); ++i, pay())
         text += fmt::format("{}{}", field.samples[i],
                             (i + 1) % static_cast<std::size_t>(field.columns) == 0 ? "\n" : " ");
       file = add_file("heights.txt", std::move(text));
@@ -466,8 +481,8 @@ class SceneWriter {
     if (!context_.mesh_look(path).is_of_several)
       return add_file(name.string(),
                       read_whole_file(path, options.limits.asset_bytes).value_or(""));
-    const auto whole = load_mesh(path, name.string(), options.limits.asset_bytes);
-    return whole ? add_file(name.stem().string() + ".obj", obj_text(*whole)) : "";
+    const auto whole = context_.mesh(path, name.string());
+    return whole ? add_file(name.stem().string() + ".obj", obj_text(whole->mesh)) : "";
   }
 
   /// The two numbers of each law of a universal joint, where one of them says something.
@@ -795,8 +810,10 @@ class SceneWriter {
   struct Parts {
     std::vector<std::string> files;
     double excess = 0.0, excess_of_hull = 0.0;
+    bool cut_short = false;
   };
   std::map<std::string, Parts> parts_;         // path → its convex parts
+  std::size_t steps_left_ = kStepsOfModel;     // of finding them
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
   std::map<std::string, std::size_t> written_;       // file of the result by its name

@@ -103,8 +103,9 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   const auto refuse = [](const Error& error, const char* code) {
     return Failure(std::vector<Diagnostic>{to_diagnostic(error, code)});
   };
-  if (!std::isfinite(options.step) || options.step < 0.0) {
-    return refuse(Error("the step must be a positive number of seconds"), "CG0905");
+  const double step = options.step == 0.0 ? scene->physics.step : options.step;
+  if (!std::isfinite(step) || !(step >= kShortestStep)) {
+    return refuse(Error("the step must be a positive number of seconds, from 1e-9 s"), "CG0905");
   }
   if (!(options.speed > 0.0)) return refuse(Error("the speed must be above 0"), "CG0905");
 
