@@ -85,8 +85,9 @@ TEST_CASE("twelve motors of one tree hold their gains", "[motors]") {
   }
 }
 
-// A servo of a gain that would stop its axis in a thousandth of a step, and a bound that turns it by
-// 0.02 rad in one: it goes there at its bound, stops, and has no effort left.
+// A servo whose gains would stop its axis in a ten-thousandth of a step, and a bound that turns it by
+// 0.02 rad in one: it goes at its bound to where kp and kd balance, and from there in with kd / kp = 20 ms,
+// of which half a second leaves exp(-25) of 0.3 rad.
 TEST_CASE("a stiff servo with a bound arrives", "[motors]") {
   for (const double target : {0.3, -0.31, 1e-3}) {
     ModelBuilder builder;
@@ -97,7 +98,7 @@ TEST_CASE("a stiff servo with a bound arrives", "[motors]") {
     Sim sim(builder);
     Drive& servo = sim.drive(0);
     servo.kp = 1e6;
-    servo.kd = 10.0;
+    servo.kd = 2e4;
     servo.position = target;
     servo.max_effort = 5.0;
     double largest = 0.0;
