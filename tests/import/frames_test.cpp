@@ -143,12 +143,14 @@ TEST_CASE("settings that scenes do not have are reported once for each kind", "[
   in.read(R"(<mujoco><compiler settotalmass="6" boundmass="1"/>
     <default><geom solref="0.01 1"/></default>
     <worldbody><body><freejoint/><geom size="0.1" mass="2" solimp="0.9 0.95 0.001" margin="0"/></body>
-    <body><freejoint/><geom size="0.1" mass="0.1" solref="0.02 1"/></body></worldbody></mujoco>)",
+    <body><freejoint/><geom size="0.1" mass="0.1" solref="0.02 1" gap="0.1"/></body></worldbody></mujoco>)",
           "m.xml");
   REQUIRE(in.model);
-  CHECK(in.reports(kLeftOut, "solref of 2 <geom>", "rigid"));
-  CHECK(in.reports(kLeftOut, "solimp of <geom>"));
+  // The two on a floor as MuJoCo has it, on each other, and on their like.
+  CHECK(in.reports(kLeftOut, "solref of contacts", "3 of 5 kinds of pairs have another"));
+  CHECK(!in.reports(kLeftOut, "solimp"));
   CHECK(!in.reports(kLeftOut, "margin"));
+  CHECK(in.reports(kLeftOut, "gap of <geom>", "rigid"));
   CHECK(in.reports(kExact, "mass of body", "boundmass"));
   CHECK(in.reports(kExact, "settotalmass", "scaled by 2"));
   CHECK(in.model->bodies[0].mass == 4.0);

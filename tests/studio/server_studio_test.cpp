@@ -143,6 +143,9 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
   CHECK(message(std::string(500, '[')) == "the request is nested deeper than 8");
   CHECK(message(R"({"id": 1, "do": "seek", "x": [[[[[[[[]]]]]]]]})") ==
         "the request is nested deeper than 8");
+  std::string wide = R"({"id": 1, "do": "seek", "x": [[])";
+  for (int i = 0; i < 300'000; ++i) wide += ",[]";
+  CHECK(message(wide + "]}") == "the request has more than 200000 values");
   // Brackets in a text are none.
   CHECK(bench.ask(R"({"id": 1, "do": "backend", "name": "[[[[[[[[[[\"[[["})")["ok"] == true);
   CHECK(message(R"({"id": 1, "do": "edit"})") == "'edit' is not there for a recording");

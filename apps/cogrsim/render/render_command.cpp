@@ -223,7 +223,7 @@ int render_command(const RenderCommandOptions& options) {
   if (!renderer) return refuse(renderer.error());
   Studio studio{options, *overlays, *source, std::move(*renderer), {}, {}};
   status = moving ? film(studio) : one_picture(studio);
-  if (status == kGood) std::fprintf(stderr, "%s\n", options.output.c_str());
+  if (status == kGood) std::fprintf(stderr, "%s\n", one_line(options.output).c_str());
   return status;
 }
 

@@ -261,8 +261,9 @@ Result<> render(PictureSource& source) {
     auto done = camera ? camera_pictures(source, *camera) : view_pictures(source, name, **start);
     if (!done) return done;
   }
-  std::fputs(fmt::format("{} pictures in {}\n", source.pictures, source.options.output).c_str(),
-             stderr);
+  std::fputs(
+      fmt::format("{} pictures in {}\n", source.pictures, one_line(source.options.output)).c_str(),
+      stderr);
   return {};
 }
 
