@@ -85,6 +85,30 @@ TEST_CASE("twelve motors of one tree hold their gains", "[motors]") {
   }
 }
 
+// A servo whose gains would stop its axis in a ten-thousandth of a step, and a bound that turns it by
+// 0.02 rad in one: it goes at its bound to where kp and kd balance, and from there in with kd / kp = 20 ms,
+// of which half a second leaves exp(-25) of 0.3 rad.
+TEST_CASE("a stiff servo with a bound arrives", "[motors]") {
+  for (const double target : {0.3, -0.31, 1e-3}) {
+    ModelBuilder builder;
+    builder.model.physics.gravity = Vec3::Zero();
+    const int arm = builder.body("arm", 0.1, ball_inertia(1e-3), at(0, 0, 0));
+    const int joint = builder.joint("elbow", JointType::hinge, kWorld, arm, at(0, 0, 0));
+    builder.motor("servo", joint, MotorMode::servo);
+    Sim sim(builder);
+    Drive& servo = sim.drive(0);
+    servo.kp = 1e6;
+    servo.kd = 2e4;
+    servo.position = target;
+    servo.max_effort = 5.0;
+    double largest = 0.0;
+    sim.run(0.5, 2e-3, [&] { largest = std::max(largest, std::abs(sim.motor_effort(0))); });
+    measure("effort over its bound, less 1", largest / servo.max_effort - 1.0, 1e-9);
+    measure("off its target [rad]", std::abs(sim.q(joint) - target), 1e-6);
+    measure("effort left [N m]", std::abs(sim.motor_effort(0)), 1e-3);
+  }
+}
+
 // A gain without end is either held or said not to be.
 TEST_CASE("gains that cannot be held are said", "[motors]") {
   ModelBuilder builder;

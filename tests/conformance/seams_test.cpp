@@ -61,9 +61,8 @@ void add_floor(ModelBuilder& builder, bool one_body, double gap) {
 // that is felt stops it, lifts it or turns it.
 void check_slide(Sim& sim, int slider, const Pose& start, const Vec3& velocity, double seconds) {
   double highest = 0.0;
-  sim.run(seconds, kDt, [&] {
-    highest = std::max(highest, std::abs(sim.pose(slider).p.z() - start.p.z()));
-  });
+  sim.run(seconds, kDt,
+          [&] { highest = std::max(highest, std::abs(sim.pose(slider).p.z() - start.p.z())); });
   measure("off its way [m]", (sim.pose(slider).p - start.p - seconds * velocity).norm(), 1e-3);
   measure("height error [m]", highest, 1e-3);
   measure("turned [rad]", angle_between(sim.pose(slider).q, start.q), 5e-3);

@@ -1,10 +1,8 @@
 // A model in MJCF that MuJoCo runs from its file, beside its import on the mujoco backend.
-#include <mujoco/mujoco.h>
+#include "../support/temporary_folder.h"
+#include "original_run.h"
 
-#include <memory>
-
-#include "cogrsim/simulation/simulation.h"
-#include "judge_support.h"
+#include <catch2/catch.hpp>
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -73,11 +71,6 @@ const char* const kModel = R"(<mujoco model="strider">
   </keyframe>
 </mujoco>)";
 
-struct Free {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-  void operator()(mjData* d) const { mj_deleteData(d); }
-};
-
 }  // namespace
 
 // Both read one text and take the same steps; what differs is the rounding of a few products of poses and
@@ -85,55 +78,14 @@ struct Free {
 // both feet in contact from the first step, by far less than the factor 1e7 that the bound leaves.
 TEST_CASE("a model runs on the mujoco backend as its file does in MuJoCo", "[import][mjcf]") {
   const std::string start = GENERATE("", "crouch");
-  Imported imported;
-  imported.options.keyframe = start;
-  imported.read(kModel, "strider.xml");
-  REQUIRE(imported.model);
-
-  char error[1000] = "";
-  const std::unique_ptr<mjModel, Free> m(
-      mj_loadXML((imported.folder / "strider.xml").c_str(), nullptr, error, sizeof error));
-  INFO(error);
-  REQUIRE(m);
-  const std::unique_ptr<mjData, Free> d(mj_makeData(m.get()));
-  if (!start.empty()) mj_resetDataKeyframe(m.get(), d.get(), 0);
-
-  auto model = std::make_shared<SceneModel>(*imported.model);
-  for (Motor& motor : model->motors) {
-    const int there = mj_name2id(m.get(), mjOBJ_ACTUATOR, tail(motor.name).c_str());
-    REQUIRE(there >= 0);
-    motor.target = d->ctrl[there];
-  }
-  model->physics.step = m->opt.timestep;
-  SimulationOptions options;
-  options.backend = "mujoco";
-  auto simulation = Simulation::create(model, options, std::make_shared<PluginLoader>());
-  REQUIRE(simulation);
-  double apart = 0.0;
-  int touching = 0;
-  for (int step = 0; step < 250; ++step) {
-    mj_step(m.get(), d.get());
-    (*simulation)->step();
-    touching = std::max(touching, d->ncon);
-    const FramePtr frame = (*simulation)->frame();
-    for (int j = 0; j < m->njnt; ++j) {
-      const std::string name = mj_id2name(m.get(), mjOBJ_JOINT, j);
-      const double* const there = d->qpos + m->jnt_qposadr[j];
-      if (m->jnt_type[j] == mjJNT_FREE) {
-        const auto trunk = std::size_t(&imported.named(imported.model->bodies, "trunk") -
-                                       imported.model->bodies.data());
-        const Pose& X = frame->state.poses[trunk];
-        Quat q(there[3], there[4], there[5], there[6]);
-        const Mat3 R = q.normalized().toRotationMatrix();
-        apart = std::max(apart, difference(X, Vec3(there[0], there[1], there[2]), R));
-        continue;
-      }
-      const Joint& joint = imported.named(imported.model->joints, name);
-      apart = std::max(
-          apart,
-          std::abs(frame->state.joint_positions[std::size_t(joint.position_offset)] - *there));
-    }
-  }
-  CHECK(touching >= 2);
-  CHECK(apart < 1e-9);
+  const TemporaryFolder folder;
+  const auto run = run_beside_original(folder.write("strider.xml", kModel), start, 0.5);
+  INFO((run ? "" : run.error().message));
+  REQUIRE(run);
+  INFO(run->furthest);
+  CHECK(run->joints == 5);
+  CHECK(run->missing == 0);
+  CHECK(run->touching >= 2);
+  CHECK(run->apart < 1e-9);
+  CHECK(run->base_apart < 1e-9);
 }

@@ -102,7 +102,7 @@ TEST_CASE("hello comes first and reports roles", "[studio][requests]") {
       bench.ask(R"({"id": 1, "do": "seek", "time": 1})")["error"]["message"].get<std::string>(),
       Contains("say hello first"));
   const Json hello = bench.ask(R"({"id": 2, "do": "hello"})");
-  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 3, "role": "viewer",
+  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 4, "role": "viewer",
       "client": 1, "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
       "assets": "/asset/0f/", "backends": ["one", "two"]})"));
   CHECK(bench.outbox.next()["topic"] == "status");

@@ -150,8 +150,7 @@ Answer Start::list(const Request& request) const {
   if (error) return fail(fmt::format("'{}' cannot be read: {}", wanted, error.message()));
   std::sort(found.begin(), found.end());
   const std::string prefix = *inside == "." ? "" : inside->string() + "/";
-  for (const auto& [kind, name] : found)
-    files.push_back({{"name", prefix + name}, {"kind", kind}});
+  for (const auto& [kind, name] : found) files.push_back({{"name", prefix + name}, {"kind", kind}});
   Json examples = Json::array();
   for (const std::string& name : folders_in(options_.examples))
     if (!scene_in(options_.examples / name).empty()) examples.push_back(name);
@@ -167,9 +166,9 @@ Answer Start::list(const Request& request) const {
 
 Answer Start::open(const Request& request) {
   if (opened_) return fail("something was opened already", "", "reload this page");
-  const auto file = file_for(request.fields.at("what").get<std::string>(),
-                             request.fields.at("name").get<std::string>(),
-                             request.fields.value("text", ""));
+  const auto file =
+      file_for(request.fields.at("what").get<std::string>(),
+               request.fields.at("name").get<std::string>(), request.fields.value("text", ""));
   if (!file) return tl::unexpected(file.error());
   if (const auto served = open_(*file); !served) return tl::unexpected(served.error());
   opened_ = true;
@@ -215,8 +214,7 @@ Result<std::string> Start::example(const std::string& name) const {
   if (scene.empty()) return fail(fmt::format("there is no example '{}'", name));
   const fs::path copy = options_.folder / name;
   std::error_code error;
-  if (!fs::exists(copy, error))
-    fs::copy(source, copy, fs::copy_options::recursive, error);
+  if (!fs::exists(copy, error)) fs::copy(source, copy, fs::copy_options::recursive, error);
   if (error) return fail(fmt::format("'{}' cannot be copied: {}", name, error.message()));
   return (copy / scene.filename()).string();
 }

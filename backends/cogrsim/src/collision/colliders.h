@@ -38,7 +38,7 @@ struct Collider {
   // At the time of the query.
   Placement X_WS;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< axis-aligned bounds, margin included [m]
-  double margin = 0.0;  ///< speculative margin: how far its surface may move in the step [m]
+  double margin = 0.0;        ///< speculative margin: how far its surface may move in the step [m]
   Vec3 shift = Vec3::Zero();  ///< of its origin over the rest of the step [m]
   Vec3 turn = Vec3::Zero();   ///< over the rest of the step [rad]
 

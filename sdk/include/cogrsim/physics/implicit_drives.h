@@ -36,16 +36,19 @@ class GainLimits {
     if (implicit_ == ImplicitPart::all_damping) return 0.5 * crowd_ * dt_ * kp > stop_ + kd;
     return implicit_ == ImplicitPart::joint_damping && crowd_ * (kd + 0.5 * dt_ * kp) > stop_;
   }
-  /// The share of the gains that can be held: all but what is 1e4 times stiffer than would stop the axis
-  /// in a step, and what is stiff where nothing is implicit.
+  /// The share of the gains that can be held: all but what would stop the axis in less than a
+  /// microsecond, and what is stiff where nothing is implicit.
   double share(double kp, double kd) const {
     if (implicit_ == ImplicitPart::none)
       return std::min(1.0, stop_ / (crowd_ * (kd + 0.5 * dt_ * kp)));
-    return std::min(1.0, 1e4 * stop_ / (kd + dt_ * kp));
+    return std::min(1.0, 1e6 * dt_ * stop_ / (kd + dt_ * kp));
   }
   /// How many times a spring is too stiff for an explicit step: stable below four times the inertia
   /// over the step squared.
   double explicit_stiffness(double stiffness) const { return 0.25 * stiffness * dt_ / stop_; }
+  /// Effort of a stiff drive before damping is taken off, at most: engines refuse accelerations of 1e10.
+  /// It leaves the axis speeds of a thousand a second.
+  double most_effort() const { return 1e9 * dt_ * stop_; }
   /// Gain of a speed source: what stops the axis in a step, or among others three quarters of what is
   /// stable.
   double speed_source() const { return std::min(1.0, 1.5 / crowd_) * stop_; }
@@ -144,9 +147,10 @@ class ImplicitDrives {
       at_bound[k] = 0;
       return {effort, kp, kd, drive.max_effort, 0.0};
     }
-    stiff_[k] = {effort - kp * q, kd + limits.dt() * kp, drive.max_effort};
+    const double start = std::clamp(effort - kp * q, -limits.most_effort(), limits.most_effort());
+    stiff_[k] = {start, kd + limits.dt() * kp, drive.max_effort};
     if (at_bound[k] != 0) return {at_bound[k] * drive.max_effort, 0.0, 0.0, drive.max_effort, 0.0};
-    return {effort, kp, 0.0, std::numeric_limits<double>::infinity(), stiff_[k].damping};
+    return {start + kp * q, kp, 0.0, std::numeric_limits<double>::infinity(), stiff_[k].damping};
   }
 
   /// Whether the effort is not that of the actuator alone, but effort(): damping has part in it.
@@ -157,8 +161,10 @@ class ImplicitDrives {
   /// round, by the speed `u` at the end of the step; corrects this for a repetition of the step.
   bool correct(std::size_t k, double u, bool release) {
     if (stiff_[k].damping == 0.0 || (at_bound[k] != 0 && !release)) return false;
-    const double wanted = effort(k, u);
-    const int now = std::abs(wanted) < stiff_[k].max_effort ? 0 : wanted < 0.0 ? -1 : 1;
+    const double wanted = effort(k, u), most = stiff_[k].max_effort;
+    const int beyond = std::abs(wanted) < most ? 0 : wanted < 0.0 ? -1 : 1;
+    // From its bound a drive comes within it before it is tried at the other one.
+    const int now = at_bound[k] != 0 && beyond != at_bound[k] ? 0 : beyond;
     return std::exchange(at_bound[k], now) != now;
   }
 

@@ -34,7 +34,7 @@ import type {
 export type * from "./protocol_types";
 
 /** The protocol that this page speaks; `hello` answers the server's. */
-export const kProtocol = 3;
+export const kProtocol = 4;
 
 /** The messages that the server publishes unasked, by topic. */
 export interface Topics {
