@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kLongestText = 1u << 20;
 constexpr std::size_t kLongestList = 100000;
 constexpr std::size_t kWorkOfEntry = 128;  // of a list
-constexpr std::size_t kWorkOfStep = 25;   // of an operation
+constexpr std::size_t kWorkOfStep = 25;    // of an operation
 
 const char* kind_of(const PyValue& v) {
   static const char* const kKinds[] = {"None",   "a boolean", "a number",    "a number",
