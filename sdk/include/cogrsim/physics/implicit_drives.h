@@ -114,6 +114,14 @@ std::vector<Diagnostic> gain_warnings(const SceneModel& scene, const std::string
   return out;
 }
 
+/// Whether a motor can have a gain: all but torque motors without a limit of the speed.
+inline bool may_have_gain(const SceneModel& scene, const Motor& motor) {
+  const JointAxis& axis = scene.joints[static_cast<std::size_t>(motor.joint)]
+                              .axes[static_cast<std::size_t>(motor.axis)];
+  return motor.mode != MotorMode::torque ||
+         std::isfinite(std::min(motor.max_speed, axis.max_speed));
+}
+
 /// An actuator with the effort `effort - kp q - kd u` at the start of a step, within `max_effort`, and
 /// damping of its joint beside it.
 struct ActuatorLaw {
