@@ -30,11 +30,18 @@ class GainLimits {
   GainLimits(ImplicitPart implicit, double dt, double response, double crowd)
       : implicit_(implicit), dt_(dt), stop_(1.0 / (dt * response)), crowd_(crowd) {}
 
-  double dt() const { return dt_; }
-  /// Whether an actuator of the engine could sway: half of what is stable.
+  /// Whether an explicit actuator could sway, from half of what is stable; where the engine has its damping
+  /// implicit, whether it has any, as it would go on beyond the actuator's bound.
   bool is_stiff(double kp, double kd) const {
-    if (implicit_ == ImplicitPart::all_damping) return 0.5 * crowd_ * dt_ * kp > stop_ + kd;
-    return implicit_ == ImplicitPart::joint_damping && crowd_ * (kd + 0.5 * dt_ * kp) > stop_;
+    if (implicit_ == ImplicitPart::all_damping && kd > 0.0) return true;
+    return implicit_ != ImplicitPart::none && crowd_ * (kd + 0.5 * dt_ * kp) > stop_;
+  }
+  /// Damping that takes the law of a stiff drive at the end of the step. Where the engine takes damping of
+  /// actuators implicitly, too, their stiffness stays explicit as there, unless it could sway.
+  double damping(double kp, double kd) const {
+    const bool as_there =
+        implicit_ == ImplicitPart::all_damping && 0.5 * crowd_ * dt_ * kp <= stop_ + kd;
+    return as_there ? kd : kd + dt_ * kp;
   }
   /// The share of the gains that can be held: all but what would stop the axis in less than a
   /// microsecond, and what is stiff where nothing is implicit.
@@ -49,9 +56,13 @@ class GainLimits {
   /// Effort of a stiff drive before damping is taken off, at most: engines refuse accelerations of 1e10.
   /// It leaves the axis speeds of a thousand a second.
   double most_effort() const { return 1e9 * dt_ * stop_; }
+  bool has_implicit_sources() const { return implicit_ == ImplicitPart::all_damping; }
   /// Gain of a speed source: what stops the axis in a step, or among others three quarters of what is
-  /// stable.
-  double speed_source() const { return std::min(1.0, 1.5 / crowd_) * stop_; }
+  /// stable; a thousand times as much where it is implicit.
+  double speed_source() const {
+    if (has_implicit_sources()) return 1e3 * stop_;
+    return std::min(1.0, 1.5 / crowd_) * stop_;
+  }
 
  private:
   ImplicitPart implicit_;
@@ -132,9 +143,9 @@ struct ActuatorLaw {
 ///
 ///     effort = clamp(bias + kp (position - q - dt u') + kd (velocity - u'), +-max_effort)
 ///
-/// with the speed u' after it, by damping the joint with kd + dt kp. Damping has no bound, so that a
-/// drive beyond its bound gets the bound as a constant effort and no damping. Which ones are is tried: as
-/// in the last step, and again where a step shows otherwise.
+/// with the speed u' after it, by damping the joint with kd + dt kp (see GainLimits::damping()). Damping
+/// has no bound, so that a drive beyond its bound gets the bound as a constant effort and no damping.
+/// Which ones are is tried: as in the last step, and again where a step shows otherwise.
 class ImplicitDrives {
  public:
   void reset(std::size_t count) {
@@ -151,14 +162,16 @@ class ImplicitDrives {
     const double bias = source ? 0.0 : share * drive.bias;
     const double effort = bias + kp * drive.position + kd * drive.velocity;
     stiff_[k] = {};
-    if (source || !limits.is_stiff(kp, kd)) {
+    if (source ? !limits.has_implicit_sources() : !limits.is_stiff(kp, kd)) {
       at_bound[k] = 0;
       return {effort, kp, kd, drive.max_effort, 0.0};
     }
-    const double start = std::clamp(effort - kp * q, -limits.most_effort(), limits.most_effort());
-    stiff_[k] = {start, kd + limits.dt() * kp, drive.max_effort};
+    const double wanted = effort - kp * q, most = limits.most_effort();
+    const double start = std::clamp(wanted, -most, most);
+    stiff_[k] = {start, limits.damping(kp, kd), drive.max_effort};
     if (at_bound[k] != 0) return {at_bound[k] * drive.max_effort, 0.0, 0.0, drive.max_effort, 0.0};
-    return {start + kp * q, kp, 0.0, std::numeric_limits<double>::infinity(), stiff_[k].damping};
+    return {effort + (start - wanted), kp, 0.0, std::numeric_limits<double>::infinity(),
+            stiff_[k].damping};
   }
 
   /// Whether the effort is not that of the actuator alone, but effort(): damping has part in it.
