@@ -23,7 +23,7 @@ const std::vector<RoleRow>& role_table() {
       {Role::scene, "scene", {".xml"}},
       {Role::import, "import", {".xml", ".urdf", ".xacro", ".sdf"}},
       {Role::texture, "texture", {".png", ".jpg", ".jpeg"}},
-      {Role::mesh, "mesh", {".obj", ".stl", ".dae"}},
+      {Role::mesh, "mesh", {".obj", ".stl", ".dae", ".gltf", ".glb", ".bin"}},
       {Role::heightmap, "heightmap", {".pgm", ".txt", ".csv", ".dat", ".asc"}},
       {Role::data,
        "data",
@@ -229,7 +229,8 @@ Result<> ContentCheck::finish() const {
     return expect(starts("\xff\xd8\xff"sv), "a JPEG picture");
   if (ending_ == ".mcap") return expect(starts("\x89MCAP0\r\n"sv), "a recording (MCAP)");
   if (ending_ == ".pgm") return expect(starts("P2"sv) || starts("P5"sv), "a PGM picture");
-  if (ending_ == ".stl") return {};  // binary or text
+  if (ending_ == ".glb") return expect(starts("glTF"sv), "a glTF mesh");
+  if (ending_ == ".stl" || ending_ == ".bin") return {};  // binary, an STL also text
   return expect(!has_zero_, "a text");
 }
 

@@ -145,3 +145,31 @@ TEST_CASE("a sensor of the SDK can be used as a plugin, too", "[sensors]") {
   REQUIRE(model->sensors.size() == 1);
   CHECK(model->sensors[0].type == "camera");
 }
+
+TEST_CASE("frames in the bodies of an instance are named with dots", "[sensors][names]") {
+  const auto model = compile_scene(
+      "<prototype name='Dog'><body name='trunk'><box size='1 1 1' mass='1'/>"
+      "<frame name='imu' xyz='0 0 0.5'/></body><export name='nose' of='trunk.imu'/></prototype>"
+      "<instance of='Dog' name='dog' xyz='0 0 3'/>"
+      "<assembly name='pack'><instance of='Dog' name='second' xyz='5 0 0'/>"
+      "<pose name='inner' on='second.trunk.imu'/></assembly>"
+      "<pose name='a' on='dog.trunk.imu'/><pose name='b' on='dog.nose' xyz='1 0 0'/>"
+      "<pose name='c' on='pack.second.trunk.imu'/>"
+      "<box name='beside' size='1 1 1' static='true' frame='dog.trunk.imu' xyz='0 9 0'/>"
+      "<instance of='Dog' name='rider' at='dog.trunk.imu' xyz='0 0 7'/>"
+      "<frame name='tip' frame='dog.nose'/>"
+      "<measure name='height' signal='dog.trunk.imu.z - dog.trunk.z'/>");
+  const int trunk = find_body(*model, "dog.trunk");
+  CHECK(sensor(*model, "a").body == trunk);
+  CHECK(near(sensor(*model, "a").X_BS.p, Vec3(0, 0, 0.5)));
+  CHECK(sensor(*model, "b").body == trunk);
+  CHECK(near(sensor(*model, "b").X_BS.p, Vec3(1, 0, 0.5)));
+  CHECK(sensor(*model, "c").body == find_body(*model, "pack.second.trunk"));
+  CHECK(sensor(*model, "pack.inner").body == find_body(*model, "pack.second.trunk"));
+  CHECK(near(model->bodies[find_body(*model, "beside")].X_WB.p, Vec3(0, 9, 3.5)));
+  CHECK(near(model->bodies[find_body(*model, "rider.trunk")].X_WB.p, Vec3(0, 0, 10.5)));
+  const auto tip = std::find_if(model->frames.begin(), model->frames.end(),
+                                [](const NamedFrame& f) { return f.name == "tip"; });
+  REQUIRE(tip != model->frames.end());
+  CHECK(tip->body == trunk);  // it moves with the body that its frame is in
+}

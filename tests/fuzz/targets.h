@@ -12,6 +12,7 @@ void expression(std::string_view input);  ///< ${…}, lists of values, units, s
 void signal(std::string_view input);      ///< signals and conditions, parsed and evaluated
 void mesh(std::string_view input);        ///< OBJ, STL and heightmaps
 void collada(std::string_view input);     ///< COLLADA meshes
+void gltf(std::string_view input);        ///< glTF meshes, text and GLB
 void urdf(std::string_view input);  ///< models of other formats, imported; with what they load
 void xacro(std::string_view input);
 void mjcf(std::string_view input);

@@ -160,3 +160,120 @@ TEST_CASE("joints of SDF keep their laws, couplings their reference, shapes thei
   CHECK(in.result.scene.find("restitution=\"0.7\"") != std::string::npos);
   CHECK(in.joint("cross").axes[0].lower == -1.0);
 }
+
+TEST_CASE("axes of SDF are in the frame of the joint, and in old files in that of the model",
+          "[sdf]") {
+  // The leaf is turned by a quarter about x: its z is the model's -y.
+  const auto axis = [](const std::string& version, const std::string& of_axis,
+                       const std::string& element = "axis") {
+    Imported in;
+    in.read(
+        "<sdf version=\"" + version +
+            "\"><model name=\"door\"><pose>0 0 0 0 0 1.5707963267948966</pose>"
+            "<link name=\"base\"/><link name=\"leaf\"><pose>0.2 0 1 1.5707963267948966 0 0"
+            "</pose></link><joint name=\"j\" type=\"" +
+            (element == "axis" ? "revolute" : "universal") +
+            "\"><parent>base</parent><child>leaf</child>" +
+            (element == "axis" ? "" : "<axis><xyz expressed_in=\"__model__\">1 0 0</xyz></axis>") +
+            "<" + element + ">" + of_axis + "</" + element + "></joint></model></sdf>",
+        "door.sdf");
+    REQUIRE(in.model);
+    const Joint& j = in.joint("j");
+    const Quat q = in.body("leaf").X_WB.q * j.X_CM.q;
+    // A hinge turns about the z of its frame, a universal joint about its x, then its y.
+    return Vec3(q * (element == "axis" ? Vec3::UnitZ() : Vec3::UnitY()));
+  };
+  const Vec3 up = Vec3::UnitZ(), of_leaf(1, 0, 0);  // -y of the model, which is turned about z
+  for (const char* name : {"axis", "axis2"}) {
+    INFO(name);
+    for (const char* old : {"1.4", "1.3", "1.0"})
+      CHECK((axis(old, "<xyz>0 0 1</xyz>", name) - up).norm() < 1e-9);
+    for (const char* now : {"1.5", "1.6", "1.10", "1.11"})
+      CHECK((axis(now, "<xyz>0 0 1</xyz>", name) - of_leaf).norm() < 1e-9);
+    CHECK((axis("1.6", "<xyz>0 0 1</xyz><use_parent_model_frame>1</use_parent_model_frame>", name) -
+           up)
+              .norm() < 1e-9);
+    CHECK((axis("1.9", "<xyz expressed_in=\"base\">0 0 1</xyz>", name) - up).norm() < 1e-9);
+  }
+  CHECK((axis("1.4", "") - up).norm() < 1e-9);  // without <xyz>
+}
+
+TEST_CASE("an included SDF has the axes of its own version", "[sdf]") {
+  for (const auto& [version, up] : {std::pair{"1.4", true}, std::pair{"1.5", false}}) {
+    Imported in;
+    in.folder.write(
+        "door/model.sdf",
+        std::string("<sdf version=\"") + version +
+            "\"><model name=\"door\"><link name=\"base\"/><link name=\"leaf\"><pose>0.2 "
+            "0 1 1.5707963267948966 0 0</pose></link><joint name=\"j\" "
+            "type=\"revolute\"><parent>base</parent><child>leaf</child><axis><xyz>0 0 "
+            "1</xyz></axis></joint></model></sdf>");
+    in.read(
+        "<sdf version=\"1.9\"><model "
+        "name=\"m\"><include><uri>door</uri><name>front</name></include>"
+        "</model></sdf>",
+        "m.sdf");
+    REQUIRE(in.model);
+    const Vec3 axis = in.body("front_leaf").X_WB.q * in.joint("front_j").X_CM.q * Vec3::UnitZ();
+    CHECK((axis - (up ? Vec3(0, 0, 1) : Vec3(0, -1, 0))).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("names of SDF reach into nested models", "[sdf]") {
+  Imported in;
+  in.folder.write("drive/model.sdf",
+                  "<sdf version=\"1.11\"><model name=\"any\"><link name=\"stand\"/><link "
+                  "name=\"wheel\"><pose>0 0.3 0 0 0 0</pose></link><frame name=\"grip\" "
+                  "attached_to=\"wheel\"><pose>0 0 0.1 0 0 0</pose></frame><joint name=\"spin\" "
+                  "type=\"revolute\"><parent>stand</parent><child>wheel</child><axis><xyz>0 1 "
+                  "0</xyz></axis></joint></model></sdf>");
+  in.read(R"(<sdf version="1.11"><model name="hand">
+    <include><uri>drive</uri><name>drive</name><pose>0 0 2 0 0 0</pose><placement_frame>grip</placement_frame></include>
+    <link name="tip"><pose relative_to="drive::grip">1 0 0 0 0 0</pose>
+      <sensor name="eye" type="camera"><pose relative_to="drive::wheel">0 0 0.5 0 0 0</pose></sensor></link>
+    <frame name="far" attached_to="drive::grip"><pose>0 0 1 0 0 0</pose></frame>
+    <joint name="hold" type="fixed"><parent>far</parent><child>tip</child></joint>
+    <link name="finger"/>
+    <joint name="curl" type="revolute"><parent>drive::stand</parent><child>finger</child>
+      <axis><xyz expressed_in="drive::grip">0 1 0</xyz><mimic joint="drive::spin"><multiplier>2</multiplier><offset>0.1</offset><reference>0</reference></mimic></axis></joint>
+    <plugin filename="gz-sim-joint-controller-system" name="gz::sim::systems::JointController"><joint_name>drive::spin</joint_name></plugin>
+  </model></sdf>)",
+          "hand.sdf");
+  INFO(in.result.scene);
+  REQUIRE(in.model);
+  CHECK(in.model->couplings.size() == 1);
+  const Joint& curl = in.joint("curl");
+  const Joint& spin = in.joint("hand_drive_spin");
+  CHECK(in.model->joints[in.model->couplings[0].joint].name == curl.name);
+  REQUIRE(in.model->motors.size() == 1);
+  CHECK(in.model->joints[in.model->motors[0].joint].name == spin.name);
+  // The grip is at (0, 0, 2): the wheel 0.1 m below it, with the tip 1 m beside it.
+  const Body& wheel = in.body("hand_drive_wheel");
+  CHECK((wheel.X_WB.p - Vec3(0, 0, 1.9)).norm() < 1e-9);
+  CHECK((in.frame("tip").X_BF.p - Vec3(1, 0, 0.1)).norm() < 1e-9);
+  REQUIRE(in.model->sensors.size() == 1);
+  CHECK((wheel.X_WB * in.model->sensors[0].X_BS).p.z() == Approx(2.4));
+  CHECK_FALSE(in.reports(kLeftOut, ""));
+}
+
+TEST_CASE("what an include merges is part of the model around it", "[sdf]") {
+  Imported in;
+  in.folder.write("arm/model.sdf",
+                  "<sdf version=\"1.9\"><model name=\"arm\"><link name=\"upper\"><pose>0 0 1 0 0 0"
+                  "</pose></link><link name=\"lower\"><pose relative_to=\"upper\">0 0 -0.5 0 0 0"
+                  "</pose></link><joint name=\"elbow\" type=\"revolute\"><parent>upper</parent>"
+                  "<child>lower</child><axis><xyz expressed_in=\"__model__\">0 1 0</xyz></axis>"
+                  "</joint></model></sdf>");
+  in.read(R"(<sdf version="1.9"><model name="robot"><link name="base"/>
+    <include merge="true"><uri>arm</uri><pose>1 0 0 0 0 1.5707963267948966</pose></include>
+    <joint name="shoulder" type="ball"><parent>base</parent><child>upper</child></joint>
+  </model></sdf>)",
+          "robot.sdf");
+  INFO(in.result.scene);
+  REQUIRE(in.model);
+  CHECK(in.model->bodies.size() == 3);
+  CHECK((in.body("lower").X_WB.p - Vec3(1, 0, 0.5)).norm() < 1e-9);
+  const Vec3 axis = in.body("lower").X_WB.q * in.joint("elbow").X_CM.q * Vec3::UnitZ();
+  CHECK((axis - Vec3(-1, 0, 0)).norm() < 1e-9);
+  CHECK_FALSE(in.reports(kApproximate, "arm"));
+}

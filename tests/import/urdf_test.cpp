@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
+#include <cstring>
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/mass_properties.h"
@@ -205,6 +206,12 @@ TEST_CASE("meshes are found in the package around the model, and nowhere else", 
   double far = 0.0;
   for (const Vec3& v : in.model->meshes[0]->vertices) far = std::max(far, v.maxCoeff());
   CHECK(far == 2.0);
+  // A package has the name in its package.xml, whatever its folder is called.
+  in.folder.write("checkout/package.xml", "<package>\n  <name> bot_models </name></package>");
+  in.folder.write("checkout/meshes/a.stl", stl);
+  in.read(robot("package://bot_models/meshes/a.stl"), "checkout/urdf/r.urdf");
+  REQUIRE(in.model);
+  CHECK(in.model->meshes.size() == 1);
   in.read(robot("../../secret.stl"), "bot_description/urdf/r.urdf");
   CHECK(in.reports(kLeftOut, "mesh '../../secret.stl'", "lies outside"));
   in.read(robot("package://../secret.stl"), "bot_description/urdf/r.urdf");
@@ -378,4 +385,120 @@ TEST_CASE("a mesh that moves is decomposed if that is asked", "[urdf][mesh]") {
     volume += shape_volume(s, in.model->meshes);
   }
   CHECK(volume == Approx(0.125 * 0.2 * (0.2 + 0.8 * 0.2)).epsilon(1e-12));
+}
+
+TEST_CASE("links that would not be seen show what they collide with", "[urdf][mesh]") {
+  Imported in;
+  const auto robot = [](const std::string& visual) {
+    return "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+           "iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>" +
+           visual +
+           "<collision><geometry><sphere radius=\"0.5\"/></geometry></collision></link></robot>";
+  };
+  const auto visible = [&] { return in.body("a").shapes.back().visible; };
+  in.read(robot(""));
+  REQUIRE(in.model);
+  CHECK(visible());
+  CHECK(in.body("a").shapes.back().collides);
+  CHECK(in.reports(kApproximate, "link 'a'", "collision shapes are shown"));
+  // Also where the file of what was to be seen cannot be read, and only there.
+  in.folder.write("broken.glb", "glTF");
+  in.read(robot("<visual><geometry><mesh filename=\"broken.glb\"/></geometry></visual>"));
+  REQUIRE(in.model);
+  CHECK(visible());
+  CHECK(in.reports(kLeftOut, "mesh 'broken.glb'", "cut short"));
+  in.read(robot("<visual><geometry><box size=\"1 1 1\"/></geometry></visual>"));
+  REQUIRE(in.model);
+  CHECK_FALSE(visible());
+  CHECK_FALSE(in.reports(kApproximate, "link 'a'"));
+}
+
+TEST_CASE("meshes of glTF are seen in their colour and copied whole", "[urdf][mesh]") {
+  Imported in;
+  // Positions (0 0 0), (1 0 0), (0 1 0) in a file beside the text.
+  const std::string text =
+      "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"buffers\":[{\"byteLength\":36,"
+      "\"uri\":\"part.bin\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{"
+      "\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],\"materials\":[{"
+      "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]}}],\"meshes\":[{\"primitives\":[{"
+      "\"attributes\":{\"POSITION\":0},\"material\":0}]}]}";
+  const float numbers[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::string bytes(sizeof numbers, '\0');
+  std::memcpy(bytes.data(), numbers, sizeof numbers);
+  in.folder.write("visual/part.gltf", text);
+  in.folder.write("visual/part.bin", bytes);
+  const std::string robot =
+      "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" "
+      "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><visual><geometry><mesh "
+      "filename=\"visual/part.gltf\"/></geometry></visual></link></robot>";
+  for (const char* copies : {"", "copied"}) {
+    in.options.copy_meshes = copies;
+    in.read(robot);
+    REQUIRE(in.model);
+    REQUIRE(in.body("a").shapes.size() == 1);
+    const Shape& shape = in.body("a").shapes[0];
+    CHECK(in.model->materials[shape.material].color.r == 1.0);
+    CHECK(in.model->materials[shape.material].color.g == 0.0);
+    const TriangleMesh& mesh = *in.model->meshes.at(0);
+    REQUIRE(mesh.vertices.size() == 3);
+    CHECK((mesh.vertices[2] - Vec3(0, 0, 1)).norm() < 1e-12);
+    // A copy is one file.
+    CHECK(in.result.files.size() == (std::string(copies).empty() ? 0 : 1));
+  }
+  CHECK(in.result.files.at(0).name == "copied/part.obj");
+}
+
+TEST_CASE("a copied mesh never takes the place of another", "[urdf][mesh]") {
+  TemporaryFolder robots;
+  Imported in;
+  in.options.copy_meshes = "meshes";
+  const auto triangle = [](int size) {
+    return "v 0 0 0\nv " + std::to_string(size) +
+           " 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 "
+           "4\nf 1 4 3\n";
+  };
+  const auto imported = [&](const std::string& name, int size) {
+    robots.write(name + "/pelvis.obj", triangle(size));
+    const std::string file = robots.write(
+        name + "/robot.urdf",
+        "<robot name=\"r\"><link name=\"a\"><visual><geometry><mesh filename=\"pelvis.obj\"/>"
+        "</geometry></visual></link></robot>");
+    in.options.scene_folder = in.folder.path.string();
+    const dsl::ImportResult result = dsl::import_model(file, in.options);
+    REQUIRE(result.files.size() == 1);
+    REQUIRE(dsl::write_beside(in.options.scene_folder, result.files, {true, {}, {}}));
+    return result.files[0].name;
+  };
+  CHECK(imported("one", 1) == "meshes/pelvis.obj");
+  CHECK(imported("two", 2) == "meshes/pelvis_2.obj");
+  CHECK(imported("three", 1) == "meshes/pelvis.obj");  // the same file is shared
+  CHECK(imported("four", 3) == "meshes/pelvis_3.obj");
+  CHECK(imported("two", 2) == "meshes/pelvis_2.obj");  // and a second import changes nothing
+}
+
+TEST_CASE("one scale and an undeclared world are read as other programs do", "[urdf]") {
+  Imported in;
+  in.folder.write("m.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const auto robot = [](const std::string& scale, const std::string& parent) {
+    return "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+           "iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><visual><geometry><mesh "
+           "filename=\"m.obj\" scale=\"" +
+           scale +
+           "\"/></geometry></visual></link>\n<joint name=\"j\" type=\"continuous\"><parent "
+           "link=\"" +
+           parent + "\"/><child link=\"a\"/><origin xyz=\"0 0 2\"/></joint></robot>";
+  };
+  in.read(robot("0.5", "world"));
+  REQUIRE(in.model);
+  CHECK((in.model->meshes.at(0)->vertices.at(1) - Vec3(0.5, 0, 0)).norm() < 1e-12);
+  CHECK(in.reports(kExact, "scale of <mesh>", "all axes"));
+  CHECK(in.reports(kExact, "link 'world'", "not declared"));
+  CHECK(in.body("a").X_WB.p.z() == 2.0);
+  CHECK(in.joint("j").type == JointType::hinge);
+  in.read(robot("0.5 0.5", "world"));
+  CHECK(in.refuses("CG1403", "2 numbers"));
+  in.read(robot("1 2 3", "base"));
+  CHECK(in.refuses("CG1408", "no link 'base'", 2));
 }

@@ -101,6 +101,10 @@ TEST_CASE("programs are recognised by their content", "[share]") {
                     "\x7f"
                     "ELF"));
   CHECK_FALSE(check("a.png", "GIF89a"));
+  CHECK(check("a.glb", std::string("glTF\2\0\0\0", 8)));
+  CHECK_FALSE(check("a.glb", "{\"asset\":{}}"));
+  CHECK(check("a.bin", std::string("\0\1\2\3", 4)));
+  CHECK_FALSE(check("a.bin", "MZ........"));
   CHECK_FALSE(check("a.stl", "MZ........"));
   CHECK_FALSE(check("a.txt", "#!/bin/sh\n"));
   CHECK_FALSE(check("a.csv", std::string("1,\0", 3)));

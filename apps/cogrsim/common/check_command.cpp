@@ -75,10 +75,10 @@ int check_command(const CheckOptions& options) {
     if (text) {
       out += diagnostics_text(scene.diagnostics, color);
       if (found > 0) {
-        out += fmt::format("{}: {}{}{}", path, style.red, count_text(found, "error", "errors"),
-                           style.off);
+        out += fmt::format("{}: {}{}{}", one_line(path), style.red,
+                           count_text(found, "error", "errors"), style.off);
       } else {
-        out += fmt::format("{}: {}good{}, {}", path, style.green, style.off,
+        out += fmt::format("{}: {}good{}, {}", one_line(path), style.green, style.off,
                            contents_text(*scene.model));
       }
       if (warnings > 0) out += ", " + count_text(warnings, "warning", "warnings");

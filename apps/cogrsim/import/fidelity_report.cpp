@@ -79,17 +79,17 @@ void print_fidelity(const dsl::FidelityReport& report) {
       if (!e->moves && ++others > kMostOthers) {
         hidden += alike;
       } else {
-        text += fmt::format("  {}{}{}{}: {}\n", e->position_text(), e->file.empty() ? "" : ": ",
-                            e->element,
+        text += fmt::format("  {}{}{}{}: {}\n", one_line(e->position_text()), e->file.empty() ? "" : ": ",
+                            one_line(e->element),
                             alike > 1 ? fmt::format(" and {} more", alike - 1) : std::string(),
-                            e->message);
+                            one_line(e->message));
       }
       alike = 0;
     }
     if (hidden > 0)
       text += fmt::format(
           "  and {} more, which change no motion; --report FILE.html lists all\n", hidden);
-    std::fputs(printable(text).c_str(), stderr);
+    std::fputs(text.c_str(), stderr);
   }
 }
 

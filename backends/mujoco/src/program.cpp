@@ -105,29 +105,39 @@ void complete_model(Program& out) {
   if (count > 0) m.stat.meaninertia = sum / count;
 }
 
-/// Motors of one tree move each other's axes: where n explicit ones are, each of which could stop its
-/// own in one step, 2 / n of their gains is stable whatever the couplings.
-void share_gains(Program& out) {
+/// Program::crowds and implicit.
+Result<> find_crowds(Program& out) {
   const mjModel& m = *out.model;
-  const auto root_of = [&](int motor) {
-    return m.body_rootid[m.jnt_bodyid[m.actuator_trnid[2 * motor]]];
-  };
+  if (m.opt.integrator == mjINT_RK4) out.implicit = ImplicitPart::none;
+  if (m.opt.integrator == mjINT_IMPLICIT) out.implicit = ImplicitPart::all_damping;
+  out.crowds.assign(static_cast<std::size_t>(m.nv), 1.0);
+  if (m.nu == 0) return {};
+  const auto data = make_data(m);  // in the reference configuration
+  if (!data) return tl::unexpected(data.error());
+  for (const auto find : {mj_kinematics, mj_comPos, mj_crb, mj_factorM}) find(&m, data->get());
+  const auto dof_of = [&](int actuator) { return m.jnt_dofadr[m.actuator_trnid[2 * actuator]]; };
+  std::vector<double> column(m.nv);
   for (int i = 0; i < m.nu; ++i) {
-    double count = 0.0;
-    for (int k = 0; k < m.nu; ++k) count += root_of(k) == root_of(i) ? 1.0 : 0.0;
-    out.shares.push_back(std::min(1.0, 2.0 / count));
+    std::fill(column.begin(), column.end(), 0.0);
+    column[dof_of(i)] = 1.0;
+    mj_solveM(&m, data->get(), column.data(), column.data(), 1);
+    double& crowd = out.crowds[dof_of(i)] = 0.0;
+    for (int k = 0; k < m.nu; ++k) {
+      const double own = m.dof_invweight0[dof_of(i)] * m.dof_invweight0[dof_of(k)];
+      crowd += std::abs(column[dof_of(k)]) / std::sqrt(own);
+    }
   }
+  return {};
 }
 
 Reference reference_of(const Joint& joint, const Pose& X_WP, const Pose& X_WC) {
+  const bool drawn_here = std::all_of(joint.position.begin(), joint.position.end(),
+                                      [](double q) { return settled(q) == 0.0; });
   Reference out;
-  if (joint.type == JointType::ball) {
-    out.X_PC = joint.X_PF * joint.X_CM.inverse();  // where its quaternion is one, as MuJoCo's is
-    return out;
-  }
-  out.X_PC = joint.parent == kWorld ? X_WC : X_WP.inverse() * X_WC;
-  if (joint.type == JointType::free) return out;
-  std::transform(joint.position.begin(), joint.position.end(), out.q.begin(), settled);
+  out.X_PC = joint.type == JointType::ball || (joint.type != JointType::free && !drawn_here)
+                 ? joint.X_PF * joint.X_CM.inverse()
+             : joint.parent == kWorld ? X_WC
+                                      : X_WP.inverse() * X_WC;
   return out;
 }
 
@@ -159,7 +169,15 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
   out->model = std::move(*model);
   find_indices(*out);
   complete_model(*out);
-  share_gains(*out);
+  if (auto found = find_crowds(*out); !found) return tl::unexpected(found.error());
+  out->warnings =
+      gain_warnings(*scene, "mujoco", [&](int j, int axis) -> std::optional<GainLimits> {
+        const TreeJoint& in_tree = out->joints[j];
+        if (in_tree.joint < 0) return std::nullopt;
+        const int dof = out->model->jnt_dofadr[in_tree.joint + in_tree.axis[axis]];
+        return GainLimits(out->implicit, scene->physics.step, out->model->dof_invweight0[dof],
+                          out->crowds[dof]);
+      });
   return ProgramPtr(std::move(out));
 }
 

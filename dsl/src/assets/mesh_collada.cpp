@@ -19,10 +19,6 @@ namespace {
 
 using Transform = Eigen::Affine3d;
 
-struct Broken {
-  std::string message;
-};
-
 const Node* child(const Node& node, std::string_view name) {
   for (const Node* c : node.children)
     if (c->name == name) return c;
@@ -44,8 +40,8 @@ std::vector<double> floats(std::string_view text, std::size_t most) {
   std::vector<double> out;
   for (std::string_view word = next_word(text); !word.empty(); word = next_word(text)) {
     const auto number = to_number(word);
-    if (!number) throw Broken{"'" + std::string(word.substr(0, 40)) + "' is not a number"};
-    if (out.size() >= most) throw Broken{"more numbers than are read of a mesh"};
+    if (!number) throw BrokenMesh{"'" + std::string(word.substr(0, 40)) + "' is not a number"};
+    if (out.size() >= most) throw BrokenMesh{"more numbers than are read of a mesh"};
     out.push_back(*number);
   }
   return out;
@@ -56,8 +52,8 @@ std::vector<std::size_t> indices(std::string_view text, std::size_t most) {
   for (std::string_view word = next_word(text); !word.empty(); word = next_word(text)) {
     const auto number = to_integer(word);
     if (!number || *number < 0)
-      throw Broken{"'" + std::string(word.substr(0, 40)) + "' is not an index"};
-    if (out.size() >= most) throw Broken{"more indices than are read of a mesh"};
+      throw BrokenMesh{"'" + std::string(word.substr(0, 40)) + "' is not an index"};
+    if (out.size() >= most) throw BrokenMesh{"more indices than are read of a mesh"};
     out.push_back(static_cast<std::size_t>(*number));
   }
   return out;
@@ -68,7 +64,7 @@ class ColladaReader {
   explicit ColladaReader(const Node& root) : root_(root) {}
 
   TriangleMesh read() {
-    if (root_.name != "COLLADA") throw Broken{"is not a COLLADA file"};
+    if (root_.name != "COLLADA") throw BrokenMesh{"is not a COLLADA file"};
     collect(root_, 0);
     double unit = 1.0;
     if (const Node* asset = child(root_, "asset"))
@@ -91,7 +87,7 @@ class ColladaReader {
       for (const Node* g : library->children)
         if (g->name == "geometry") geometry(*g, top);
     }
-    if (out_.triangles.empty()) throw Broken{"has no triangle"};
+    if (out_.triangles.empty()) throw BrokenMesh{"has no triangle"};
     return std::move(out_);
   }
 
@@ -109,8 +105,9 @@ class ColladaReader {
   }
 
   void node(const Node& n, const Transform& parent, int depth) {
-    if (depth > 64) throw Broken{"nodes refer to each other in a cycle, or are nested too deep"};
-    if (++nodes_ > 100000) throw Broken{"has more than 100000 nodes"};
+    if (depth > 64)
+      throw BrokenMesh{"nodes refer to each other in a cycle, or are nested too deep"};
+    if (++nodes_ > 100000) throw BrokenMesh{"has more than 100000 nodes"};
     Transform X = parent;
     for (const Node* c : n.children) {
       if (c->name == "translate") {
@@ -126,7 +123,7 @@ class ColladaReader {
         if (v.size() == 3) X.scale(Vec3(v[0], v[1], v[2]));
       } else if (c->name == "matrix") {
         const auto v = floats(c->text, 16);
-        if (v.size() != 16) throw Broken{"a <matrix> has not 16 numbers"};
+        if (v.size() != 16) throw BrokenMesh{"a <matrix> has not 16 numbers"};
         Eigen::Matrix4d m;
         for (int i = 0; i < 16; ++i) m(i / 4, i % 4) = v[i];
         X = X * Transform(m);
@@ -149,18 +146,21 @@ class ColladaReader {
     }
   }
 
-  /// Points of a geometry, read once.
-  const std::vector<Vec3>& positions(const Node& mesh) {
-    const auto [it, is_new] = positions_.try_emplace(&mesh);
-    if (!is_new) return it->second;
+  /// Of a geometry, in its own axes.
+  struct Surface {
+    std::vector<Vec3> points;
+    std::vector<Eigen::Vector3i> triangles;
+  };
+
+  std::vector<Vec3> positions(const Node& mesh) const {
     const Node* vertices = child(mesh, "vertices");
-    if (vertices == nullptr) throw Broken{"a <mesh> has no <vertices>"};
+    if (vertices == nullptr) throw BrokenMesh{"a <mesh> has no <vertices>"};
     const Node* source = nullptr;
     for (const Node* input : vertices->children)
       if (input->name == "input" && value(*input, "semantic") == "POSITION")
         source = find(target(value(*input, "source")));
     const Node* array = source == nullptr ? nullptr : child(*source, "float_array");
-    if (array == nullptr) throw Broken{"a <mesh> has no positions"};
+    if (array == nullptr) throw BrokenMesh{"a <mesh> has no positions"};
     std::size_t stride = 3, offset = 0;
     if (const Node* technique = child(*source, "technique_common"))
       if (const Node* accessor = child(*technique, "accessor")) {
@@ -170,21 +170,33 @@ class ColladaReader {
             std::max<long long>(0, to_integer(value(*accessor, "offset")).value_or(0)));
       }
     const auto v = floats(array->text, 3 * kMaxMeshVertices);
+    std::vector<Vec3> out;
     for (std::size_t i = offset; i + 2 < v.size(); i += stride)
-      it->second.emplace_back(v[i], v[i + 1], v[i + 2]);
-    return it->second;
+      out.emplace_back(v[i], v[i + 1], v[i + 2]);
+    return out;
   }
 
   void geometry(const Node& g, const Transform& X) {
     const Node* mesh = child(g, "mesh");
     if (mesh == nullptr) return;
-    const std::vector<Vec3>& points = positions(*mesh);
+    const auto [known, is_new] = surfaces_.try_emplace(mesh);  // many nodes may show one geometry
+    if (is_new) known->second = surface(*mesh);
+    const auto& [points, triangles] = known->second;
     if (out_.vertices.size() + points.size() > kMaxMeshVertices)
-      throw Broken{"has too many corners"};
-    const auto base = static_cast<int>(out_.vertices.size());
+      throw BrokenMesh{"has too many corners"};
+    if (out_.triangles.size() + triangles.size() > kMaxMeshTriangles)
+      throw BrokenMesh{"has too many triangles"};
+    const Eigen::Vector3i base = Eigen::Vector3i::Constant(static_cast<int>(out_.vertices.size()));
     for (const Vec3& p : points) out_.vertices.push_back(X * p);
     const bool mirrored = X.linear().determinant() < 0.0;
-    for (const Node* c : mesh->children) {
+    for (const Eigen::Vector3i& t : triangles)
+      out_.triangles.push_back(base + (mirrored ? Eigen::Vector3i(t[0], t[2], t[1]) : t));
+  }
+
+  Surface surface(const Node& mesh) const {
+    Surface out;
+    out.points = positions(mesh);
+    for (const Node* c : mesh.children) {
       if (c->name != "triangles" && c->name != "polylist" && c->name != "polygons" &&
           c->name != "tristrips" && c->name != "trifans")
         continue;
@@ -205,16 +217,12 @@ class ColladaReader {
         const auto raw = indices(p->text, 3 * 64 * std::size_t{1000000});
         std::vector<int> corners;
         for (std::size_t i = offset; i < raw.size(); i += stride) {
-          if (raw[i] >= points.size()) throw Broken{"an index is beyond the corners"};
-          corners.push_back(base + static_cast<int>(raw[i]));
+          if (raw[i] >= out.points.size()) throw BrokenMesh{"an index is beyond the corners"};
+          corners.push_back(static_cast<int>(raw[i]));
         }
         const auto triangle = [&](int a, int b, int d) {
-          if (out_.triangles.size() >= kMaxMeshTriangles) throw Broken{"has too many triangles"};
-          if (a == b || b == d || a == d) return;
-          if (mirrored)
-            out_.triangles.emplace_back(a, d, b);
-          else
-            out_.triangles.emplace_back(a, b, d);
+          if (out.triangles.size() >= kMaxMeshTriangles) throw BrokenMesh{"has too many triangles"};
+          if (a != b && b != d && a != d) out.triangles.emplace_back(a, b, d);
         };
         const auto fan = [&](std::size_t first, std::size_t count) {
           for (std::size_t k = 1; k + 1 < count; ++k)
@@ -236,11 +244,12 @@ class ColladaReader {
         }
       }
     }
+    return out;
   }
 
   const Node& root_;
   std::map<std::string_view, const Node*> by_id_;
-  std::map<const Node*, std::vector<Vec3>> positions_;
+  std::map<const Node*, Surface> surfaces_;  ///< by <mesh>
   std::size_t nodes_ = 0;
   TriangleMesh out_;
 };
@@ -261,7 +270,7 @@ Result<TriangleMesh> parse_collada(const std::string& bytes) {
   }
   try {
     return ColladaReader(*document->root).read();
-  } catch (const Broken& broken) {
+  } catch (const BrokenMesh& broken) {
     return fail(broken.message);
   }
 }

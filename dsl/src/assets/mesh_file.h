@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cogrsim/core/result.h"
 #include "cogrsim/model/shapes.h"
@@ -36,10 +38,39 @@ Result<TriangleMesh> parse_stl(std::string_view bytes);
 /// as in ROS. Errors name the line or what is wrong.
 Result<TriangleMesh> parse_collada(const std::string& bytes);
 
-/// By the ending of `path`: .obj, .stl or .dae. `name` becomes the mesh's name. No more than `max_bytes`
+/// A mesh, and what else its file says.
+struct LoadedMesh {
+  TriangleMesh mesh;
+  std::vector<std::string> files;  ///< canonical paths of others that it was read from
+  std::optional<Color> color;      ///< of its material, of glTF only
+  std::string differs;             ///< what of its appearance is not read, of glTF only
+};
+
+/// glTF 2.0, as text or as GLB: the triangles of its scene, y up turned to z up, equal positions made one.
+/// Buffers are in the file, in Base64, or files of `folder` (empty: none) or below it. No more than
+/// `max_bytes` are held of the file and its buffers. Errors: what of the file is wrong, or needs an
+/// extension that is not read, such as a compression.
+Result<LoadedMesh> parse_gltf(std::string_view bytes, const std::string& folder,
+                              std::size_t max_bytes);
+
+/// Whether a file is glTF, by its ending.
+bool is_gltf(const std::string& path);
+
+/// The file formats of meshes, as messages name them.
+inline constexpr const char* kMeshFormats = ".obj, .stl, .dae, .gltf and .glb";
+
+/// By the ending of `path`, one of kMeshFormats. `name` becomes the mesh's name. No more than `max_bytes`
 /// are ever held of the file.
+Result<LoadedMesh> read_mesh(const std::string& path, const std::string& name,
+                             std::size_t max_bytes);
+
+/// The mesh of read_mesh() alone.
 Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
                                std::size_t max_bytes);
+
+/// The work of holding a mesh beyond the `bytes` of its file, in the units of kMostWork: two for each
+/// byte, so that one budget is some 250 MB. Most files are larger than what is made of them.
+std::size_t work_beyond(const TriangleMesh& mesh, std::size_t bytes);
 
 /// Number of edges that do not have exactly one partner in the other direction; 0: the surface is
 /// closed and consistently wound, so that it has a volume.

@@ -1,10 +1,8 @@
 #include <cstdint>
-#include <cstring>
-#include <unordered_map>
 
-#include "cogrsim/core/random.h"
 #include "assets/mesh_file.h"
 #include "assets/mesh_text.h"
+#include "assets/mesh_welder.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -12,64 +10,13 @@ namespace {
 constexpr std::size_t kHeaderBytes = 84;    // 80 of free text, then the number of triangles
 constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of attributes
 
-struct VertexHash {
-  std::size_t operator()(const Vec3& p) const {
-    return static_cast<std::size_t>(hash_bytes(p.data(), 3 * sizeof(double)));
-  }
-};
-
-/// Collects triangles and merges corners that are equal to the bit (both zeros are one).
-class Welder {
- public:
-  Result<> add(const Vec3 (&corners)[3]) {
-    if (mesh_.triangles.size() >= kMaxMeshTriangles)
-      return fail("more than " + std::to_string(kMaxMeshTriangles) + " triangles");
-    Eigen::Vector3i triangle;
-    for (int i = 0; i < 3; ++i) {
-      const Vec3 p = corners[i] + Vec3::Zero();  // -0 becomes +0
-      const auto [at, is_new] = known_.try_emplace(p, static_cast<int>(mesh_.vertices.size()));
-      if (is_new) {
-        if (mesh_.vertices.size() >= kMaxMeshVertices)
-          return fail("more than " + std::to_string(kMaxMeshVertices) + " vertices");
-        mesh_.vertices.push_back(p);
-      }
-      triangle[i] = at->second;
-    }
-    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
-      mesh_.triangles.push_back(triangle);
-    return {};
-  }
-
-  Result<TriangleMesh> finish() {
-    if (mesh_.triangles.empty()) return fail("the file has no triangles");
-    return std::move(mesh_);
-  }
-
- private:
-  TriangleMesh mesh_;
-  std::unordered_map<Vec3, int, VertexHash> known_;
-};
-
-std::uint32_t read_u32(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
-}
-
-double read_f32(const char* bytes) {
-  const std::uint32_t bits = read_u32(bytes);
-  float value = 0;
-  std::memcpy(&value, &bits, sizeof value);
-  return static_cast<double>(value);
-}
-
 Result<TriangleMesh> parse_binary(std::string_view bytes) {
   const std::size_t count = (bytes.size() - kHeaderBytes) / kTriangleBytes;
-  Welder welder;
+  MeshWelder welder;
   for (std::size_t t = 0; t < count; ++t) {
     const char* record = bytes.data() + kHeaderBytes + t * kTriangleBytes + 12;
     Vec3 corners[3];
-    for (int i = 0; i < 9; ++i) corners[i / 3][i % 3] = read_f32(record + 4 * i);
+    for (int i = 0; i < 9; ++i) corners[i / 3][i % 3] = read_little<float>(record + 4 * i);
     for (const Vec3& p : corners)
       if (!p.allFinite())
         return fail("triangle " + std::to_string(t + 1) + " has a corner that is not finite");
@@ -83,7 +30,7 @@ Result<TriangleMesh> parse_ascii(std::string_view text) {
   const auto wrong = [&](const std::string& what) {
     return fail("line " + std::to_string(lines.number()) + ": " + what);
   };
-  Welder welder;
+  MeshWelder welder;
   Vec3 corners[3];
   int corner = 0;
   bool in_facet = false;
@@ -121,7 +68,7 @@ Result<TriangleMesh> parse_ascii(std::string_view text) {
 
 Result<TriangleMesh> parse_stl(std::string_view bytes) {
   if (bytes.size() >= kHeaderBytes) {
-    const std::size_t count = read_u32(bytes.data() + 80);
+    const std::size_t count = read_little<std::uint32_t>(bytes.data() + 80);
     if (bytes.size() == kHeaderBytes + count * kTriangleBytes) return parse_binary(bytes);
     if (bytes.substr(0, 5) != "solid")
       return fail("a binary STL of " + std::to_string(count) + " triangles is " +

@@ -1,12 +1,15 @@
-// Reading numbers out of lines of text, the same under every locale.
+// Reading numbers out of lines of text, the same under every locale, and out of bytes.
 #pragma once
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace cogrsim::dsl {
 
@@ -60,6 +63,28 @@ inline std::optional<long long> to_integer(std::string_view word) {
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
 }
+
+/// A number of the file, whose first byte is the lowest.
+template <class Number>
+Number read_little(const char* bytes) {
+  std::uint32_t bits = 0;
+  for (std::size_t i = sizeof(Number); i-- > 0;)
+    bits = bits << 8 | static_cast<unsigned char>(bytes[i]);
+  if constexpr (std::is_floating_point_v<Number>) {
+    static_assert(sizeof(Number) == sizeof bits);
+    Number value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  } else {
+    static_assert(sizeof(Number) <= sizeof bits);
+    return static_cast<Number>(bits);
+  }
+}
+
+/// What a reader of meshes throws: what is wrong with the file.
+struct BrokenMesh {
+  std::string message;
+};
 
 /// The word in quotes, shortened and without unprintable bytes, for a message.
 inline std::string quoted(std::string_view word) {

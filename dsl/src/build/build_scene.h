@@ -283,6 +283,7 @@ class Builder {
   void check_overlaps();
   void check_mass_ratios();
   void check_loads();
+  void check_pivots();
   void check_rates();
   void check_drives();
   void check_params();

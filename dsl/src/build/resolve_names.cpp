@@ -139,6 +139,37 @@ std::vector<std::string> Names::known(const Element& from, Wanted wanted) const 
   return names;
 }
 
+/// The help for a name whose last part is that of something further inside, as a frame in a body of an
+/// instance; empty: there is none.
+std::string Names::deeper(const Element& from, std::string_view name, Wanted wanted) const {
+  constexpr std::size_t kMostListed = 4;
+  const std::string first(
+      name.substr(0, name.find('.') + 1));  // "arm." of "arm.tip"; empty: no dot
+  const std::string_view last = name.substr(name.rfind('.') + 1);
+  std::vector<std::string> found;
+  const Element* one = nullptr;
+  for (const Element* c : all_) {
+    if (c->name != last || !matches(*c, wanted) || found.size() > kMostListed) continue;
+    // As it is written here: from the nearest scope around both.
+    std::string written = c->path;
+    for (const Element* level = from.parent; level != nullptr && !level->path.empty();
+         level = level->parent)
+      if (c->path.rfind(level->path + ".", 0) == 0) {
+        written = c->path.substr(level->path.size() + 1);
+        break;
+      }
+    if (written.rfind(first, 0) != 0 || written == name) continue;
+    found.push_back(written);
+    one = c;
+  }
+  if (found.empty() || found.size() > kMostListed) return {};
+  std::string out;
+  for (const std::string& each : found) out += (out.empty() ? "\"" : ", \"") + each + "\"";
+  if (found.size() > 1) return "names are written with all scopes around them: one of " + out;
+  return "it is inside " + std::string(one->parent->tag()) + " '" + one->parent->name +
+         "', whose name comes before its own: write " + out;
+}
+
 Names::Found Names::peek(const Element& from, std::string_view name) const {
   Found out;
   for (const Element* level = &from; level != nullptr; level = level->parent) {
@@ -193,10 +224,12 @@ const Element* Names::find(const Element& from, const Word& word, Wanted wanted)
   // Comparing with all names is for typing mistakes, of which there are never thousands.
   const std::vector<std::string> names =
       failed_.size() > kMaxHelped ? std::vector<std::string>{} : known(from, wanted);
+  std::string help = names.empty() ? std::string() : deeper(from, word.text, wanted);
+  if (help.empty() && !names.empty()) help = suggest(word.text, names);
   context_.sink
       .report("CG0402", word.span, from.trail,
               "there is no " + std::string(describe(wanted)) + " '" + word.text + "' here")
-      .help(names.empty() ? std::string() : suggest(word.text, names));
+      .help(std::move(help));
   return nullptr;
 }
 

@@ -59,6 +59,7 @@ class Names {
                 const Element& scope, bool materials) const;
   bool may_be_lost(const Element& scope, std::string_view name) const;
   std::vector<std::string> known(const Element& from, Wanted wanted) const;
+  std::string deeper(const Element& from, std::string_view name, Wanted wanted) const;
 
   CompileContext& context_;
   std::unordered_map<const Element*, Scope> things_, materials_;

@@ -1,4 +1,6 @@
 // Geometry of shapes, and the files it comes from.
+#include <filesystem>
+
 #include "assets/mesh_file.h"
 #include "build/build_scene.h"
 
@@ -9,17 +11,13 @@ std::string number_key(const Vec3& v) {
   return number_text(v.x()) + " " + number_text(v.y()) + " " + number_text(v.z());
 }
 
-Result<TriangleMesh> scaled_mesh(const std::string& path, const std::string& name,
-                                 const Vec3& factor, std::size_t most_bytes) {
-  auto mesh = load_mesh(path, name, most_bytes);
-  if (!mesh) return mesh;
-  for (Vec3& vertex : mesh->vertices) vertex = vertex.cwiseProduct(factor);
+void scale_mesh(TriangleMesh& mesh, const Vec3& factor) {
+  for (Vec3& vertex : mesh.vertices) vertex = vertex.cwiseProduct(factor);
   if (factor.prod() < 0.0) {  // a mirrored surface is turned inside out
-    for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
-    for (std::size_t i = 0; i + 2 < mesh->uv.size(); i += 3)
-      std::swap(mesh->uv[i + 1], mesh->uv[i + 2]);
+    for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
+    for (std::size_t i = 0; i + 2 < mesh.uv.size(); i += 3)
+      std::swap(mesh.uv[i + 1], mesh.uv[i + 2]);
   }
-  return mesh;
 }
 
 }  // namespace
@@ -73,14 +71,26 @@ bool Builder::mesh(const Element& element, Shape& shape) {
   if (is_new) {
     MeshPtr& loaded = context_.meshes[key + "|" + *file];
     if (loaded == nullptr) {
-      auto scaled = scaled_mesh(path, *file, factor, context_.options.limits.asset_bytes);
-      if (!scaled) {
+      auto read = read_mesh(path, *file, context_.options.limits.asset_bytes);
+      if (!read) {
         sink()
-            .report("CG0706", at, element.trail, scaled.error().message)
-            .help("meshes are read from OBJ and STL files, in metres, and from COLLADA files");
+            .report("CG0706", at, element.trail, read.error().message)
+            .help(
+                "meshes are read from OBJ and STL files, in metres, and from COLLADA and glTF "
+                "files");
         return false;
       }
-      loaded = std::make_shared<const TriangleMesh>(std::move(*scaled));
+      context_.files.add_read(read->files);
+      std::size_t bytes = 0;
+      read->files.push_back(path);
+      for (const std::string& part : read->files) {
+        std::error_code fault;
+        const std::uintmax_t size = std::filesystem::file_size(part, fault);
+        bytes += fault ? 0 : static_cast<std::size_t>(size);
+      }
+      if (!dsl::spend(context_, work_beyond(read->mesh, bytes), at, element.trail)) return false;
+      scale_mesh(read->mesh, factor);
+      loaded = std::make_shared<const TriangleMesh>(std::move(read->mesh));
     }
     if (!copied(path, 128 * (loaded->vertices.size() + loaded->triangles.size()), at,
                 element.trail))

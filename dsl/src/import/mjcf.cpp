@@ -58,6 +58,7 @@ void MjcfReader::include(XmlElement& in, int depth) {
       include(e, depth + 1);
       continue;
     }
+    context_.spend(100 + 2 * in.children.size(), e.at);
     const std::string* file = e.find("file");
     if (file == nullptr) context_.refuse(e.at, "CG1404", "<include> has no file");
     auto path = context_.locate(*file, e.at);

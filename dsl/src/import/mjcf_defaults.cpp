@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <iterator>
 
-#include "cogrsim/core/parameter.h"
-
 namespace cogrsim::dsl::import {
 
 void MjcfReader::override_by(const XmlElement& e, Attributes& all) {
@@ -91,7 +89,7 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
   if (known == classes_.end()) {
     std::vector<std::string> names;
     for (const auto& [n, d] : classes_) names.push_back(n);
-    const std::string near = nearest_name(name, names);
+    const std::string near = context_.near(name, names);
     context_.error(e.at, "CG1408", fmt::format("there is no default class '{}'", name),
                    near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     known = classes_.find("main");

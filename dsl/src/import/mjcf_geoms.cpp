@@ -129,15 +129,15 @@ const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std
   const auto known = mesh_masses_.find(key);
   if (known != mesh_masses_.end()) return known->second;
   const auto compute = [&]() -> Result<MassProperties> {
-    auto mesh = load_mesh(g.mesh, what, context_.options.limits.asset_bytes);
+    auto mesh = context_.mesh(g.mesh, what);
     if (!mesh) return tl::unexpected(mesh.error());
-    for (Vec3& v : mesh->vertices) v = v.cwiseProduct(g.scale);
+    for (Vec3& v : mesh->mesh.vertices) v = v.cwiseProduct(g.scale);
     if (g.scale.prod() < 0.0)
-      for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+      for (Eigen::Vector3i& t : mesh->mesh.triangles) std::swap(t[1], t[2]);
     Shape s;
     s.type = ShapeType::mesh;
     s.mesh = 0;
-    const std::vector<MeshPtr> meshes = {std::make_shared<const TriangleMesh>(std::move(*mesh))};
+    const std::vector<MeshPtr> meshes = {std::make_shared<const TriangleMesh>(std::move(mesh->mesh))};
     return shape_mass(s, meshes, shape_volume(s, meshes));
   };
   return mesh_masses_.emplace(key, compute()).first->second;

@@ -142,8 +142,8 @@ class MjcfReader {
   void default_class(const XmlElement& e, const std::string& parent, bool top);
   void assets(const XmlElement& e);
   void height_field(const XmlElement& source, const XmlElement& e, const std::string& key);
-  /// From a picture, a file of MuJoCo's format, or the element. Empty: none, which was reported.
-  std::optional<HeightField> heights(const XmlElement& source, const XmlElement& e);
+  /// From a picture, a file of MuJoCo's format, or the element. nullptr: none, which was reported.
+  HeightFieldPtr heights(const XmlElement& source, const XmlElement& e);
 
   // ---- attributes with defaults
   /// The element with what its class, or the class of the bodies around it, says for it.
@@ -288,6 +288,7 @@ class MjcfReader {
   RobotModel robot_;
   std::map<std::string, Defaults> classes_;
   std::map<std::string, Mesh> meshes_;
+  HeightFiles height_files_;
   std::map<std::string, Geometry> height_fields_;
   std::map<std::string, Result<MassProperties>> mesh_masses_;
   std::map<std::string, Color> materials_;

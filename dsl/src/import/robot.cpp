@@ -45,18 +45,6 @@ RobotInertia sum(const RobotInertia& a, const RobotInertia& b) {
 
 }  // namespace
 
-int RobotModel::link(const std::string& wanted) const {
-  for (std::size_t i = 0; i < links.size(); ++i)
-    if (links[i].name == wanted) return static_cast<int>(i);
-  return -1;
-}
-
-int RobotModel::joint(const std::string& wanted) const {
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].name == wanted) return static_cast<int>(i);
-  return -1;
-}
-
 std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double> mass,
                                          double density) {
   MassProperties out;
@@ -311,6 +299,7 @@ class Welding {
     robot_.links = std::move(links);
     robot_.joints = std::move(joints);
     robot_.loops = std::move(loops);
+    robot_.names_changed();
   }
 
  private:
@@ -560,6 +549,29 @@ void weld(Context& context, RobotModel& robot) {
   remove_idle_drives(context, robot);
   remove_idle_sensors(context, robot);
   check_finite(context, robot);
+}
+
+void show_unseen(Context& context, RobotModel& robot) {
+  const auto is_seen = [&](const RobotShape& s) {
+    return s.visible && (s.geometry.type != Geometry::Type::mesh ||
+                         context.mesh_bounds(s.geometry.mesh).has_value());
+  };
+  constexpr std::size_t kMostNamed = 5;
+  std::string names;
+  std::size_t count = 0;
+  const RobotLink* first = nullptr;
+  for (RobotLink& l : robot.links) {
+    const bool collides = std::any_of(l.shapes.begin(), l.shapes.end(),
+                                      [](const RobotShape& s) { return s.collides; });
+    if (!collides || std::any_of(l.shapes.begin(), l.shapes.end(), is_seen)) continue;
+    for (RobotShape& s : l.shapes) s.visible = s.visible || s.collides;
+    if (first == nullptr) first = &l;
+    if (++count <= kMostNamed) add_to(names, "'" + l.name + "'", ", ");
+  }
+  if (count == 0) return;
+  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
+  context.approximate(first->at, fmt::format("{} {}", count == 1 ? "link" : "links", names),
+                      "nothing would be seen: the collision shapes are shown");
 }
 
 namespace {

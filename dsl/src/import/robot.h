@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "cogrsim/core/constants.h"
@@ -22,6 +23,7 @@ struct HeightField {
   int columns = 0, rows = 0;
   std::vector<double> samples;
 };
+using HeightFieldPtr = std::shared_ptr<const HeightField>;
 
 struct Geometry {
   enum class Type {
@@ -42,7 +44,7 @@ struct Geometry {
   std::string mesh;          ///< canonical path
   std::vector<Vec3> points;  ///< prism: of its convex outline, z = 0 [m]
   Vec3 scale = Vec3::Ones();
-  std::shared_ptr<const HeightField> heights;
+  HeightFieldPtr heights;
 };
 
 struct RobotShape {
@@ -234,10 +236,27 @@ struct RobotModel {
 
   /// The step of the file at `at`; one that no scene has is reported.
   void take_step(Context& context, double seconds, const Source& at);
-  int link(const std::string& name) const;
-  int joint(const std::string& name) const;
+  /// The index of the first of that name; -1: none. In constant time.
+  int link(const std::string& wanted) const { return link_names_.find(links, wanted); }
+  int joint(const std::string& wanted) const { return joint_names_.find(joints, wanted); }
+  /// To be called when links or joints were renamed or removed.
+  void names_changed() { link_names_ = joint_names_ = {}; }
   /// Whether a link never moves; -1: the world.
   bool stands(int link) const { return link < 0 || links[link].is_static; }
+
+ private:
+  /// Takes in what was added to a list since the last call.
+  struct NameIndex {
+    std::unordered_map<std::string, int> first;
+    std::size_t known = 0;
+    template <class List>
+    int find(const List& list, const std::string& wanted) {
+      for (; known < list.size(); ++known) first.emplace(list[known].name, static_cast<int>(known));
+      const auto found = first.find(wanted);
+      return found == first.end() ? -1 : found->second;
+    }
+  };
+  mutable NameIndex link_names_, joint_names_;
 };
 
 /// Makes every link's inertia one that a rigid body can have: principal moments that are positive
@@ -260,6 +279,9 @@ void square_axes(Context& context, RobotModel& robot);
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
 
+/// Shows the collision shapes of links of which nothing else is seen, which is reported.
+void show_unseen(Context& context, RobotModel& robot);
+
 /// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.
 void separate_by_bits(Context& context, RobotModel& robot);
 
@@ -277,7 +299,21 @@ std::string scene_name(std::string name);
 void write_scene(Context& context, const RobotModel& robot);
 
 /// The brightness of a PNG's points, by its first channel. Errors: no PNG, or too many points.
-Result<HeightField> heights_of_picture(const std::string& bytes);
+Result<HeightField> heights_of_picture(Context& context, const std::string& bytes,
+                                       const Source& at);
+
+/// Height fields of files, each read once.
+class HeightFiles {
+ public:
+  using Reader = Result<HeightField> (*)(Context&, const std::string& bytes, const Source& at);
+  /// The field that `reader` makes of the file, and `scale` brings to heights from 0 to 1. Throws
+  /// Refused. Errors: those of `reader`, or the file cannot be read.
+  const Result<HeightFieldPtr>& read(Context& context, const std::string& path, const Source& at,
+                                     Reader reader, void (*scale)(HeightField&));
+
+ private:
+  std::map<std::string, Result<HeightFieldPtr>> fields_;  ///< by path
+};
 
 // ---- readers; each throws Refused, or leaves context.failed()
 

@@ -13,6 +13,7 @@
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/geometry/convex_hull.h"
 #include "import/gazebo.h"
+#include "import/sdf_tree.h"
 #include "import/settings.h"
 
 namespace cogrsim::dsl::import {
@@ -43,8 +44,7 @@ class SdfReader {
   explicit SdfReader(Context& context) : context_(context) {}
 
   RobotModel read(const XmlElement& source) {
-    const std::unique_ptr<XmlElement> root = source.copy();
-    read_includes(*root, 0);
+    const std::unique_ptr<XmlElement> root = sdf_tree(context_, source);
     robot_.contact_rule = "self_collide and collide_bitmask";
     robot_.usual_bits = kAllBits;
     settings(*root);
@@ -52,7 +52,7 @@ class SdfReader {
       if (e->name == "world")
         world(*e);
       else if (e->name == "model")
-        model(*e, "", pose(*e), {}, 0);
+        model(*e, "", placed(*e, scope_of(*e, ""), 0), {}, 0);
       else if (e->name == "light")
         light(*e, pose(*e), false);
       else if (e->name == "actor")
@@ -114,64 +114,6 @@ class SdfReader {
     return to == nullptr ? "" : *to;
   }
 
-  // ---- files
-
-  /// Puts models in the place of each <include>.
-  void read_includes(XmlElement& in, int depth) {
-    if (depth > 20)
-      context_.refuse(in.at, "CG1402",
-                      "models include each other in a cycle, or are nested too deep");
-    std::vector<std::unique_ptr<XmlElement>> children;
-    for (auto& c : in.children) {
-      if (c->name == "include") c = included(*c);
-      if (c == nullptr) continue;
-      if (c->name == "model" || c->name == "world") read_includes(*c, depth + 1);
-      children.push_back(std::move(c));
-    }
-    in.children = std::move(children);
-  }
-
-  /// The model of an <include>, with what the include says of it; null: left out.
-  std::unique_ptr<XmlElement> included(const XmlElement& e) {
-    const std::string uri = text(e, "uri");
-    const std::string element = fmt::format("include '{}'", uri);
-    auto path = context_.locate(uri, e.at);
-    if (!path)
-      path =
-          context_.locate(uri + (uri.empty() || uri.back() == '/' ? "" : "/") + "model.sdf", e.at);
-    if (!path) {
-      context_.left_out(e.at, element, path.error().message);
-      return nullptr;
-    }
-    auto root = context_.parse(*path, e.at);
-    for (auto& m : root->children) {
-      if (m->name != "model") continue;
-      const auto set = [&](const char* key, const std::string& value) {
-        m->attributes.erase(std::remove_if(m->attributes.begin(), m->attributes.end(),
-                                           [&](const auto& a) { return a.first == key; }),
-                            m->attributes.end());
-        m->attributes.emplace_back(key, value);
-      };
-      for (const auto& c : e.children) {
-        if (c->name == "name" || c->name == "placement_frame") {
-          set(c->name.c_str(), c->text);
-          continue;
-        }
-        // Its own pose and the like replace those of the model.
-        if (c->name == "pose" || c->name == "static")
-          m->children.erase(std::remove_if(m->children.begin(), m->children.end(),
-                                           [&](const auto& o) { return o->name == c->name; }),
-                            m->children.end());
-        if (c->name != "uri") m->children.push_back(c->copy());
-      }
-      if (const std::string* merge = e.find("merge"); merge != nullptr && *merge == "true")
-        context_.approximate(e.at, element, "is a model of its own, not merged");
-      return std::move(m);
-    }
-    context_.left_out(e.at, element, "there is no model in it");
-    return nullptr;
-  }
-
   // ---- names
 
   /// What stands before the names of a model's links: nothing in the first model, else the names of
@@ -210,6 +152,8 @@ class SdfReader {
       const bool is_model = c->name == "model", is_link = c->name == "link",
                  is_joint = c->name == "joint";
       if (name.empty() || !(is_model || is_link || is_joint || c->name == "frame")) continue;
+      // A model that is placed by a frame is read twice, with all models in it.
+      context_.spend(500 + 16 * (3 * prefix.size() + name.size()), c->at);
       Named& n = out[prefix + name];
       std::string relative = relative_to(*c), follows;
       if (is_link) {
@@ -231,10 +175,7 @@ class SdfReader {
       if (!is_model) continue;
       const std::string inner = scope_of(*c, is_world ? "" : inside(e, scope));
       collect(*c, prefix + name + "::", inner, depth + 1, out);
-      if (const std::string* placed = c->find("placement_frame")) {
-        Names own = names_of(*c, inner, depth + 1);
-        out[prefix + name].X = pose(*c) * resolve(*placed, own, *c, 0).inverse();
-      }
+      out[prefix + name].X = placed(*c, inner, depth + 1);
     }
     if (canonical.empty())
       if (const XmlElement* m = e.child("model")) canonical = name_of(*m) + "::__model__";
@@ -243,13 +184,21 @@ class SdfReader {
     self.follows = is_world || canonical.empty() ? "world" : prefix + canonical;
   }
 
+  /// The pose of a model in what its <pose> is relative to.
+  Pose placed(const XmlElement& model, const std::string& scope, int depth) {
+    const std::string* frame = model.find("placement_frame");
+    if (frame == nullptr || frame->empty()) return pose(model);
+    Names own = names_of(model, scope, depth);
+    return pose(model) * resolve(*frame, own, model, 0).inverse();
+  }
+
   Pose resolve(const std::string& name, Names& names, const XmlElement& at, int depth) {
     if (name.empty() || name == "world") return {};
     const auto it = names.find(name);
     if (it == names.end()) {
       std::vector<std::string> known;
       for (const auto& [n, p] : names) known.push_back(n);
-      const std::string near = nearest_name(name, known);
+      const std::string near = context_.near(name, known);
       context_.error(at.at, "CG1408", fmt::format("there is no frame '{}'", name),
                      near.empty() ? "" : fmt::format("did you mean '{}'?", near));
       return {};
@@ -343,12 +292,20 @@ class SdfReader {
         model(*c, inside(e, scope), X_WM * resolve(name_of(*c), names, *c, 0), flags, depth + 1);
     for (const auto& c : e.children)
       if (c->name == "joint") joint(*c, scope, X_WM, names);
-    for (const auto& c : e.children)
-      if (c->name == "plugin") plugin(*c, names);
+    static const std::set<std::string> kRead = {
+        "link", "model",  "joint",       "plugin",       "frame",
+        "pose", "static", "enable_wind", "self_collide", "allow_auto_disable"};
+    for (const auto& c : e.children) {
+      if (c->name == "plugin")
+        plugin(*c, names);
+      else if (kRead.count(c->name) == 0)
+        left_out(*c);
+    }
     context_.exact(e.at, quoted_name(e));
   }
 
   void plugin(const XmlElement& e, const Names& names) {
+    context_.spend(4 * robot_.links.size(), e.at);
     const std::string system = gazebo_system(e);
     if (system == "buoyancy") return buoyancy(e, names);
     if (system == "windeffects") return wind_effects(e);
@@ -617,18 +574,15 @@ class SdfReader {
     if (uri.empty()) return fail("names no picture");
     auto path = context_.locate(uri, s.at);
     if (!path) return tl::unexpected(path.error());
-    auto& heights = heights_[*path];
-    if (heights == nullptr) {
-      auto bytes = read_whole_file(*path, context_.options.limits.asset_bytes);
-      if (!bytes) return tl::unexpected(bytes.error());
-      auto field = heights_of_picture(*bytes);
-      if (!field) return tl::unexpected(field.error());
-      const double most = *std::max_element(field->samples.begin(), field->samples.end());
-      for (double& h : field->samples) h = most > 0.0 ? h / most : 0.0;
-      heights = std::make_shared<const HeightField>(std::move(*field));
-    }
+    const auto brightest_is_one = [](HeightField& field) {
+      const double most = *std::max_element(field.samples.begin(), field.samples.end());
+      for (double& h : field.samples) h = most > 0.0 ? h / most : 0.0;
+    };
+    const auto& heights =
+        height_files_.read(context_, *path, s.at, heights_of_picture, brightest_is_one);
+    if (!heights) return tl::unexpected(heights.error());
     out.geometry.type = Geometry::Type::heightmap;
-    out.geometry.heights = heights;
+    out.geometry.heights = *heights;
     out.geometry.size = vector(&s, "size").value_or(Vec3::Ones());
     out.X = out.X * Pose(vector(&s, "pos").value_or(Vec3::Zero()), Quat::Identity());
     return {};
@@ -743,8 +697,6 @@ class SdfReader {
       if (const XmlElement* xyz = a == nullptr ? nullptr : a->child("xyz"))
         if (const std::string* in = xyz->find("expressed_in"); in != nullptr && !in->empty())
           q = X_WC.q.conjugate() * (X_WM * resolve(*in, names, e, 0)).q;
-      if (a != nullptr && child_is_true(*a, "use_parent_model_frame"))
-        q = X_WC.q.conjugate() * X_WM.q;
       return Vec3((q * v).normalized());
     };
     const XmlElement* a = e.child("axis");
@@ -752,7 +704,7 @@ class SdfReader {
     out.axis2 = axis(e.child("axis2"));
     if (a != nullptr && out.has_one_axis()) {
       axis_law(*a, *type != "continuous", out);
-      mimic(*a, scope, out);
+      mimic(*a, scope, names, out);
     }
     if (a != nullptr && out.type == Type::ball)
       out.damping = std::max(0.0, value(a->child("dynamics"), "damping").value_or(0.0));
@@ -813,12 +765,16 @@ class SdfReader {
     out.rest = value(dynamics, "spring_reference").value_or(0.0);
   }
 
-  void mimic(const XmlElement& axis, const std::string& scope, RobotJoint& out) {
+  void mimic(const XmlElement& axis, const std::string& scope, const Names& names,
+             RobotJoint& out) {
     const XmlElement* of = axis.child("mimic");
     if (of == nullptr) return;
+    const std::string leader = of->find("joint") == nullptr ? "" : *of->find("joint");
+    const auto known = names.find(leader);
     RobotCoupling c;
-    c.terms = {{scope + (of->find("joint") == nullptr ? "" : *of->find("joint")),
-                value(of, "multiplier").value_or(1.0)}};
+    const bool is_joint = known != names.end() && !known->second.joint.empty();
+    c.terms = {
+        {is_joint ? known->second.joint : scope + leader, value(of, "multiplier").value_or(1.0)}};
     // follower = multiplier (leader - reference) + offset
     c.offset =
         value(of, "offset").value_or(0.0) - c.terms[0].ratio * value(of, "reference").value_or(0.0);
@@ -829,7 +785,7 @@ class SdfReader {
   RobotModel robot_;
   std::map<const XmlElement*, Pose> poses_;
   std::map<const XmlElement*, std::string> scopes_;
-  std::map<std::string, std::shared_ptr<const HeightField>> heights_;  ///< by path
+  HeightFiles height_files_;
   static constexpr int kNoLink = -2;
   std::vector<int> parent_;  ///< of each link: the parent link of its joint, or the world (-1)
   int models_ = 0, model_indices_ = 0;

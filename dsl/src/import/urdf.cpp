@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "assets/mesh_text.h"
 #include "cogrsim/core/parameter.h"
 #include "import/gazebo.h"
 
@@ -33,7 +34,7 @@ class UrdfReader {
  private:
   // An element that this reader does not know is never passed over in silence.
   void unknown(const XmlElement& e, const XmlElement& in, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(e.name, known);
+    const std::string near = context_.near(e.name, known);
     context_.left_out(e.at, fmt::format("<{}> of {}", e.name, quoted_name(in)),
                       near.empty()
                           ? "is not an element of URDF"
@@ -110,7 +111,7 @@ class UrdfReader {
       if (!(out.radius > 0.0) || !(out.length > 0.0)) return empty_shape(s);
     } else if (s.name == "mesh") {
       out.type = Geometry::Type::mesh;
-      out.scale = context_.vec3(s, "scale", Vec3::Ones());
+      out.scale = scale(s);
       const std::string* file = s.find("filename");
       if (file == nullptr || file->empty()) {
         context_.error(s.at, "CG1404", "<mesh> has no filename");
@@ -130,6 +131,17 @@ class UrdfReader {
       return std::nullopt;
     }
     return out;
+  }
+
+  /// Three factors; one, as some programs write it, is that of all axes.
+  Vec3 scale(const XmlElement& s) {
+    const std::string* text = s.find("scale");
+    if (text == nullptr) return Vec3::Ones();
+    std::string_view rest = *text;
+    next_word(rest);
+    if (!next_word(rest).empty()) return context_.vec3(s, "scale", Vec3::Ones());
+    context_.exact(s.at, "scale of <mesh>", "has one factor, which is taken for all axes");
+    return Vec3::Constant(context_.number(s, "scale", 1.0));
   }
 
   std::optional<Geometry> empty_shape(const XmlElement& s) {
@@ -285,8 +297,8 @@ class UrdfReader {
   }
 
   /// The help of an error: "did you mean 'base'?"; empty: no name is near.
-  static std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(wanted, known);
+  std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
+    const std::string near = context_.near(wanted, known);
     return near.empty() ? "" : fmt::format("did you mean '{}'?", near);
   }
 
@@ -299,6 +311,14 @@ class UrdfReader {
       return -1;
     }
     const int index = robot_.link(*link);
+    if (index < 0 && *link == "world" && std::string_view(tag) == "parent") {
+      RobotLink world;  // as if it were declared: check_tree() makes it the world
+      world.name = *link;
+      world.at = c->at;
+      context_.exact(c->at, "link 'world'", "is not declared");
+      robot_.links.push_back(std::move(world));
+      return static_cast<int>(robot_.links.size()) - 1;
+    }
     if (index < 0) {
       std::vector<std::string> known;
       for (const RobotLink& l : robot_.links) known.push_back(l.name);
@@ -396,7 +416,7 @@ class UrdfReader {
     }
     std::string message = "is not an element of URDF";
     const std::string near =
-        nearest_name(e.name, {"link", "joint", "material", "transmission", "gazebo"});
+        context_.near(e.name, {"link", "joint", "material", "transmission", "gazebo"});
     if (!near.empty()) message += fmt::format("; did you mean <{}>?", near);
     context_.left_out(e.at, quoted_name(e), message);
   }
@@ -447,6 +467,7 @@ class UrdfReader {
       if (c->name == "mu1" && link >= 0) {
         const auto mu = context_.numbers(*c, text, 1, 1, "the friction");
         if (!mu || (*mu)[0] < 0.0) continue;
+        context_.spend(robot_.links[link].shapes.size(), c->at);
         for (RobotShape& s : robot_.links[link].shapes) {
           s.friction = (*mu)[0];
           s.friction_combine = CombineRule::min;  // as Gazebo's engines do

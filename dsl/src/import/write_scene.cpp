@@ -22,6 +22,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Steps of finding convex parts: a second for a model, and ten for each MB of its meshes.
+constexpr std::size_t kStepsOfModel = 1'000'000'000, kStepsOfByte = 10'000;
+
 class SceneWriter {
  public:
   SceneWriter(Context& context, const RobotModel& robot)
@@ -156,11 +159,30 @@ class SceneWriter {
         if (!seen.texture.empty()) s.texture = seen.texture;
         break;
       }
+      if (s.geometry.type == Geometry::Type::mesh) look(l, s);
       inner += shape(l, s, start_.poses()[index]);
     }
     for (const RobotFrame& f : l.frames)
       inner += fmt::format("      <frame name=\"{}\"{}/>\n", f.name, pose_text(f.X));
     out += inner.empty() ? "/>\n" : ">\n" + inner + "    </body>\n";
+  }
+
+  /// Takes the colour that a mesh brings along, and reports how else it looks.
+  void look(const RobotLink& l, RobotShape& s) {
+    const std::string& file = s.geometry.mesh;
+    if (!context_.mesh_bounds(file)) return;
+    const MeshLook& look = context_.mesh_look(file);
+    std::string differs;
+    if (look.is_gltf && context_.result.format == "SDF")
+      differs = "its y axis points up, as glTF and Drake have it; Gazebo does not turn it";
+    if (s.visible && !s.color) {
+      s.color = look.color;
+      if (!look.differs.empty()) add_to(differs, look.differs);
+    }
+    if (!differs.empty())
+      context_.approximate(
+          s.at, fmt::format("mesh '{}' of '{}'", fs::path(file).filename().string(), l.name),
+          differs);
   }
 
   static bool same(const RobotShape& a, const RobotShape& b) {
@@ -280,14 +302,21 @@ class SceneWriter {
     Parts& parts = known->second;
     if (is_new) {
       const fs::path path = s.geometry.mesh;
-      const auto mesh = load_mesh(path, path.filename().string(), options.limits.asset_bytes);
+      const auto mesh = context_.mesh(path, path.filename().string());
       if (!mesh) return {};
       if (options.decomposing) options.decomposing(path.filename().string());
       geometry::ConvexPartsOptions how;
       how.most = options.convex_parts;
-      geometry::ConvexParts found = geometry::convex_parts(*mesh, how);
+      // A small file does not keep a machine busy; a large one may take longer.
+      std::error_code fault;
+      const std::uintmax_t bytes = fs::file_size(path, fault);
+      steps_left_ += fault ? 0 : kStepsOfByte * static_cast<std::size_t>(bytes);
+      how.steps = steps_left_;
+      geometry::ConvexParts found = geometry::convex_parts(mesh->mesh, how);
       parts.excess = found.excess;
       parts.excess_of_hull = found.excess_of_hull;
+      parts.cut_short = found.cut_short;
+      steps_left_ -= std::min(steps_left_, found.steps);
       if (found.hulls.size() > 1)
         for (std::size_t i = 0; i < found.hulls.size(); ++i)
           parts.files.push_back(add_file(fmt::format("{}_part{}.obj", path.stem().string(), i + 1),
@@ -298,8 +327,9 @@ class SceneWriter {
     context_.approximate(
         s.at, fmt::format("collision mesh of '{}'", l.name),
         fmt::format("collides as {} convex parts, which cover {:.2g} % too much; its hull would "
-                    "cover {:.2g} %",
-                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull));
+                    "cover {:.2g} %{}",
+                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull,
+                    parts.cut_short ? "; better ones take too long to find" : ""));
     return parts.files;
   }
 
@@ -329,10 +359,14 @@ class SceneWriter {
     const Geometry& g = s.geometry;
     const HeightField& field = *g.heights;
     std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
+    auto pay = [&, paid = std::size_t{0}]() mutable {
+      context_.spend(4 * (text.size() - paid), s.at);
+      paid = text.size();
+    };
     // Rows of a scene begin at the lowest y, those of a file at the highest.
     if (field.samples.size() <= kMostInScene || context_.options.prototype_only) {
       for (int r = field.rows - 1; r >= 0; --r)
-        for (int c = 0; c < field.columns; ++c)
+        for (int c = 0; c < field.columns; ++c, pay())
           text += fmt::format("{}{}", text.empty() ? "" : " ",
                               g.size[2] * field.samples[r * field.columns + c]);
       return {"heightmap",
@@ -340,7 +374,7 @@ class SceneWriter {
     }
     auto& file = hills_[g.heights.get()];
     if (file.empty()) {
-      for (std::size_t i = 0; i < field.samples.size(); ++i)
+      for (std::size_t i = 0; i < field.samples.size(); ++i, pay())
         text += fmt::format("{}{}", field.samples[i],
                             (i + 1) % static_cast<std::size_t>(field.columns) == 0 ? "\n" : " ");
       file = add_file("heights.txt", std::move(text));
@@ -390,10 +424,28 @@ class SceneWriter {
     const std::string stem = fs::path(name).stem().string();
     const std::string tail = fs::path(name).extension().string();
     std::string full = folder + "/" + name;
-    for (int i = 2; !file_names_.insert(full).second; ++i)
+    for (int i = 2;; ++i) {
+      if (const auto known = written_.find(full); known != written_.end()) {
+        if (context_.result.files[known->second].bytes == bytes) return full;
+      } else if (is_free(full, bytes)) {
+        break;
+      }
       full = fmt::format("{}/{}_{}{}", folder, stem, i, tail);
+    }
+    written_.emplace(full, context_.result.files.size());
     context_.result.files.push_back({full, std::move(bytes)});
     return full;
+  }
+
+  /// Whether no other file of this name is beside the scene: another robot may have put it there.
+  bool is_free(const std::string& name, const std::string& bytes) const {
+    const ImportOptions& options = context_.options;
+    const fs::path path =
+        fs::path(options.scene_folder.empty() ? context_.folder() : options.scene_folder) / name;
+    std::error_code fault;
+    if (!fs::exists(path, fault)) return true;
+    return fs::is_regular_file(path, fault) && fs::file_size(path, fault) == bytes.size() &&
+           read_whole_file(path.string(), bytes.size()).value_or("") == bytes;
   }
 
   /// The file's name for the scene; empty: left out.
@@ -425,8 +477,12 @@ class SceneWriter {
     });
     if (options.copy_meshes.empty() && inside && plain) return text;
     if (options.refer) return "";
-    return add_file(fs::path(path).filename().string(),
-                    read_whole_file(path, options.limits.asset_bytes).value_or(""));
+    const fs::path name = fs::path(path).filename();
+    if (!context_.mesh_look(path).is_of_several)
+      return add_file(name.string(),
+                      read_whole_file(path, options.limits.asset_bytes).value_or(""));
+    const auto whole = context_.mesh(path, name.string());
+    return whole ? add_file(name.stem().string() + ".obj", obj_text(whole->mesh)) : "";
   }
 
   /// The two numbers of each law of a universal joint, where one of them says something.
@@ -754,11 +810,14 @@ class SceneWriter {
   struct Parts {
     std::vector<std::string> files;
     double excess = 0.0, excess_of_hull = 0.0;
+    bool cut_short = false;
   };
   std::map<std::string, Parts> parts_;         // path → its convex parts
+  std::size_t steps_left_ = kStepsOfModel;     // of finding them
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
-  std::set<std::string> file_names_, shape_names_;
+  std::map<std::string, std::size_t> written_;       // file of the result by its name
+  std::set<std::string> shape_names_;
 };
 
 }  // namespace

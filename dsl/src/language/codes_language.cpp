@@ -133,7 +133,8 @@ std::vector<CodeInfo> language_codes() {
        "bad:  <repeat count=\"2\"> <box name=\"b\" …/> </repeat>"},
       {"CG0402", error, "an unknown name",
        "The attribute names something that does not exist in this scope.",
-       "Correct the name. A name inside an assembly or instance is written with dots: robot.wheel.",
+       "Correct the name. A name inside an assembly, instance or body is written with dots: "
+       "robot.wheel, and robot.trunk.imu of a frame in the body trunk.",
        "<hinge parent=\"chasis\" …/>"},
       {"CG0403", error, "an invalid name",
        "A name starts with a letter or _, followed by letters, digits, _ and -. Dots only separate "

@@ -255,6 +255,20 @@ std::vector<CodeInfo> scene_codes() {
       {"CG2008", warning, "something the backend does approximately",
        "The chosen engine only approximates an element of this scene; the message states how.",
        "No action is needed. Another backend may simulate it exactly.", ""},
+      {"CG2009", warning, "a pendulum that cannot swing",
+       "A hinge or ball joint on the world holds a body at its centre of mass. Gravity has no "
+       "lever "
+       "there, so the body stays where it is. A joint without `xyz` and `frame` is at the origin "
+       "of "
+       "its child, which is the centre of a box, cylinder or capsule. Wheels, and joints with a "
+       "motor, "
+       "coupling, spring or initial velocity, are not reported.",
+       "Give the joint the place where the body hangs. A beam that is to balance on its middle "
+       "says so: xyz=\"0 0 0\" with the body as `frame`, and no initial `position`.",
+       "bad:  <capsule name=\"rod\" radius=\"1 cm\" length=\"60 cm\" …/>\n"
+       "      <hinge name=\"pivot\" child=\"rod\" axis=\"0 1 0\" position=\"60 deg\"/>\n"
+       "good: <hinge name=\"pivot\" child=\"rod\" frame=\"rod\" xyz=\"0 0 30 cm\" axis=\"0 1 0\" "
+       "…/>"},
   };
 }
 

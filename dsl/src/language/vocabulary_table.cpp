@@ -297,10 +297,15 @@ void add_bodies(std::vector<ElementSpec>& out) {
     AttributeSpec points =
         numbers("points", kLength, 65536, "Corners of its convex hull, instead of a file.");
     points.min_count = 12;
-    add("mesh", "A shape from an STL, OBJ or COLLADA file, or the hull of points. One that moves must be convex.",
-        {attr("file", Kind::file, "STL or OBJ file, in metres, or COLLADA file (.dae)."), points,
-         count_from(numbers("scale", kNone, 3, "Factor, or three of them; below zero mirrors.", "1"),
-                    1),
+    add("mesh",
+        "A shape from an STL, OBJ, COLLADA or glTF file, or the hull of points. One that moves "
+        "must be convex.",
+        {attr("file", Kind::file,
+              "STL or OBJ file, in metres, COLLADA file (.dae), or glTF 2.0 file (.gltf, .glb), "
+              "whose y axis becomes z."),
+         points,
+         count_from(
+             numbers("scale", kNone, 3, "Factor, or three of them; below zero mirrors.", "1"), 1),
          attr("convex", Kind::boolean, "Collides as its convex hull.", "false")},
         "<mesh name=\"hook\" file=\"meshes/hook.stl\" scale=\"0.001\" convex=\"true\" "
         "mass=\"2 kg\"/>");
@@ -332,9 +337,12 @@ void add_bodies(std::vector<ElementSpec>& out) {
           mobility() + moving(),
       kShapes + Words{"frame"},
       "<body name=\"hammer\" xyz=\"0 0 1\"> <box size=\"10 4 4 cm\" mass=\"1 kg\"/> … </body>"));
-  out.push_back(element(group, "frame", "A named coordinate frame.",
-                        named_always("Name of the frame.") + placed(), {},
-                        "<frame name=\"eye\" xyz=\"8 0 14 cm\" rpy=\"0 10 0 deg\"/>"));
+  out.push_back(
+      element(group, "frame",
+              "A named coordinate frame. It moves with the body that it is in, or that its `frame` "
+              "names.",
+              named_always("Name of the frame.") + placed(), {},
+              "<frame name=\"eye\" xyz=\"8 0 14 cm\" rpy=\"0 10 0 deg\"/>"));
 }
 
 void add_assemblies(std::vector<ElementSpec>& out) {

@@ -17,6 +17,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/dsl/compiler.h"
+#include "syntax/work.h"
 
 namespace cogrsim::dsl {
 
@@ -77,6 +78,9 @@ struct Document {
 /// All files of one compilation. Checks that they come from allowed folders.
 class SourceFiles {
  public:
+  /// What may still be read and computed, see kMostWork.
+  std::size_t work = kMostWork;
+
   SourceFiles(const CompileOptions& options, DiagnosticSink& sink);
   ~SourceFiles();
 
@@ -98,6 +102,9 @@ class SourceFiles {
   /// Absolute path of a mesh, heightmap or texture, checked to exist, to be an ordinary file below
   /// the scene's folder or a library folder, and within limits. Empty: reported, at `at`.
   std::string resolve_asset(std::string_view href, const SourceSpan& at);
+
+  /// Files that others brought along.
+  void add_read(const std::vector<std::string>& paths) { read_.insert(paths.begin(), paths.end()); }
 
   const SourceFile& file(int index) const { return *files_[index]; }
   int size() const { return static_cast<int>(files_.size()); }

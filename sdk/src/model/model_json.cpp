@@ -248,17 +248,18 @@ void fields(Io& io, DrawnValue& x) {
 
 template <class Io>
 void fields(Io& io, SceneModel& x) {
-  auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
-         frames, joints, couplings, motors, forces, sensors, controllers, supervisors, lights,
-         views, record, plots, regions, doors, mazes, templates, rules, measures, tests, randomize,
-         drawn, no_collide, joint_positions, joint_speeds] = x;
+  auto& [name, files, set_parameters, physics, materials, material_pairs, meshes, heightmaps,
+         assemblies, bodies, frames, joints, couplings, motors, forces, sensors, controllers,
+         supervisors, lights, views, record, plots, regions, doors, mazes, templates, rules,
+         measures, tests, randomize, drawn, no_collide, joint_positions, joint_speeds] = x;
   static_cast<void>(meshes);  // stored as packed numbers, see Model in cogrsim.proto
   static_cast<void>(heightmaps);
   // Elements that are only used during a run are in the attached scene file.
   static_cast<void>(templates);
   static_cast<void>(rules);
   static_cast<void>(tests);
-  io("name", name)("files", files)("physics", physics)("materials", materials);
+  io("name", name)("files", files)("set_parameters", set_parameters)("physics", physics);
+  io("materials", materials);
   io("material_pairs", material_pairs)("assemblies", assemblies)("bodies", bodies);
   io("frames", frames)("joints", joints)("couplings", couplings)("motors", motors);
   io("forces", forces)("sensors", sensors);

@@ -519,6 +519,8 @@ struct DrawnValue {
 struct SceneModel {
   std::string name;
   std::vector<std::string> files;  ///< source files; [0] is the scene. See SourceSpan::file
+  /// Parameters of the scene that were set when it was compiled (`--set`), as texts by name.
+  std::map<std::string, std::string> set_parameters;
   PhysicsSettings physics;
   std::vector<Material> materials;  ///< [0] is the default
   std::vector<MaterialPair> material_pairs;
