@@ -3,6 +3,7 @@
 # Builds the shared library NAME.so that CogRSim finds by NAME. In CogRSim's own build it lands
 # beside the other plugins; in yours, in ${CMAKE_BINARY_DIR}/cogrsim_plugins unless you set
 # COGRSIM_PLUGIN_OUTPUT_DIRECTORY: name that folder in COGRSIM_PLUGIN_PATH or --plugin-path.
+# Without CMAKE_BUILD_TYPE it is built as with RelWithDebInfo: optimised, with debug information.
 # `install(TARGETS NAME …)` is done for you, into lib/cogrsim/plugins of the install prefix.
 include(GNUInstallDirs)
 
@@ -22,6 +23,11 @@ function(cogrsim_add_plugin name)
   add_library(${name} MODULE ${arg_SOURCES})
   target_compile_features(${name} PRIVATE cxx_std_17)
   target_link_libraries(${name} PRIVATE cogrsim::sdk ${arg_LIBRARIES})
+  # Without a build type CMake would not optimise, and Eigen is then ten times slower.
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    target_compile_options(${name} PRIVATE -O2 -g)
+    target_compile_definitions(${name} PRIVATE NDEBUG)
+  endif()
   if(CogRSim_SOURCE_DIR)
     set(output "${CogRSim_BINARY_DIR}/lib/cogrsim/${folder}")
     target_link_libraries(${name} PRIVATE cogrsim_warnings)

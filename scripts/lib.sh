@@ -25,7 +25,7 @@ packages=(
   libpng-dev libjpeg-dev libembree-dev libqhull-dev libcairo2-dev ffmpeg libjs-dygraphs gnuplot-nox
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   libcurl4-openssl-dev libarchive-dev libssl-dev
-  python3-dev pybind11-dev python3-numpy
+  python3-dev pybind11-dev python3-numpy dpkg-dev file
   catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl liborocos-kdl-dev liburdfdom-dev
   chromium fonts-dejavu-core
 )

@@ -8,6 +8,7 @@
 #include <string>
 #include <system_error>
 
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/plugin/crash_report.h"
 #include "common/command_line.h"
 #include "common/interrupt.h"
@@ -27,6 +28,14 @@ int print_failure(const char* text) {
   return 1;
 }
 
+void print_error_of(const std::exception& e) {
+  try {
+    std::fprintf(stderr, "error: %s\n", cogrsim::paragraph(e.what()).c_str());
+  } catch (const std::bad_alloc&) {
+    print_failure(kNoMemory);
+  }
+}
+
 /// Prints the exception that is being handled.
 int report_exception() {
   try {
@@ -35,9 +44,9 @@ int report_exception() {
     return print_failure(kNoMemory);
   } catch (const std::system_error& e) {
     if (e.code() == std::errc::resource_unavailable_try_again) return print_failure(kNoThread);
-    std::fprintf(stderr, "error: %s\n", e.what());
+    print_error_of(e);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "error: %s\n", e.what());
+    print_error_of(e);
   } catch (...) {
     return print_failure("error: an exception was thrown that is not a std::exception\n");
   }

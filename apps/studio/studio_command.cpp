@@ -20,6 +20,7 @@
 #include "render/frames.h"
 #include "run.h"
 #include "server.h"
+#include "start.h"
 #include "studio.h"
 #include "user_folders.h"
 
@@ -70,13 +71,13 @@ bool is_loopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
 }
 
-StudioInfo info_of(const StudioOptions& options, bool recording) {
+StudioInfo info_of(const StudioOptions& options, const char* kind) {
   StudioInfo info;
   info.version = COGRSIM_VERSION;
-  info.kind = recording ? "recording" : "scene";
+  info.kind = kind;
   info.file = std::filesystem::path(options.file).filename().string();
   info.allow_build = options.allow_build;
-  if (recording) return info;
+  if (info.kind != "scene") return info;
   info.backends = cli::installed_backends(std::make_shared<PluginLoader>(options.plugin_paths));
   return info;
 }
@@ -98,26 +99,25 @@ ServerOptions network_of(const StudioOptions& options) {
   return network;
 }
 
-}  // namespace
-
-int studio_command(const StudioOptions& options) {
-  const bool recording = cli::is_recording(options.file);
+/// A scene or recording that is served. Each part refers to those above it, and goes before them.
+struct Session {
   // Of each thread its own: a loader is for one at a time.
-  const auto run_loader = std::make_shared<PluginLoader>(options.plugin_paths);
-  const auto document_loader = std::make_shared<PluginLoader>(options.plugin_paths);
-
-  StudioInfo info = info_of(options, recording);
-  // Each refers to those above it, and goes before them.
-  auto server = Server::listen(network_of(options));
-  if (!server) return failed(server.error());
-  const SignalsStop stopping(**server);
-
+  std::shared_ptr<PluginLoader> run_loader, document_loader;
   std::unique_ptr<Run> run;
   std::unique_ptr<Document> document;
+  std::unique_ptr<Studio> studio;
+};
+
+Result<std::unique_ptr<Session>> open_session(const StudioOptions& options, Server& server) {
+  auto session = std::make_unique<Session>();
+  session->run_loader = std::make_shared<PluginLoader>(options.plugin_paths);
+  session->document_loader = std::make_shared<PluginLoader>(options.plugin_paths);
+  const bool recording = cli::is_recording(options.file);
+  StudioInfo info = info_of(options, recording ? "recording" : "scene");
   if (recording) {
-    auto opened = Run::of_recording(options.file, run_loader, **server);
-    if (!opened) return failed(opened.error());
-    run = std::move(*opened);
+    auto opened = Run::of_recording(options.file, session->run_loader, server);
+    if (!opened) return tl::unexpected(opened.error());
+    session->run = std::move(*opened);
   } else {
     RunOptions about_run;
     about_run.backend = options.backend;
@@ -127,24 +127,95 @@ int studio_command(const StudioOptions& options) {
     about_run.parameters = options.parameters;
     const auto folder = std::filesystem::path(options.file).parent_path();
     about_run.folder = folder.empty() ? "." : folder.string();
-    run = Run::of_scene(std::move(about_run), run_loader, **server);
+    session->run = Run::of_scene(std::move(about_run), session->run_loader, server);
     DocumentOptions about_document;
     about_document.path = options.file;
     about_document.parameters = options.parameters;
     about_document.seed = options.seed;
     about_document.allow_build = options.allow_build;
     about_document.state_folder = user_state_folder();
-    auto opened = Document::open(std::move(about_document), document_loader, *run, **server);
-    if (!opened) return failed(opened.error());
-    document = std::move(*opened);
-    for (const std::string& note : document->notes()) cli::print_warning(note);
+    auto opened = Document::open(std::move(about_document), session->document_loader,
+                                 *session->run, server);
+    if (!opened) return tl::unexpected(opened.error());
+    session->document = std::move(*opened);
+    for (const std::string& note : session->document->notes()) cli::print_warning(note);
   }
-  std::vector<Part*> parts = {run.get()};
-  if (document) parts.push_back(document.get());
-  info.assets = (*server)->assets();
-  Studio studio(
-      std::move(info), std::move(parts), [&run](std::size_t number) { return run->asset(number); },
-      **server);
+  std::vector<Part*> parts = {session->run.get()};
+  if (session->document) parts.push_back(session->document.get());
+  info.assets = server.assets();
+  session->studio = std::make_unique<Studio>(
+      std::move(info), std::move(parts),
+      [run = session->run.get()](std::size_t number) { return run->asset(number); }, server);
+  remember_file(user_state_folder(), options.file);
+  return session;
+}
+
+/// Passes on what comes from the network: to the start page, later to what was opened there. Clients
+/// of before are strangers to the new one, until they connect again.
+class Desk final : public Inbox {
+ public:
+  void serve(Inbox& inbox) { now_.store(&inbox); }
+  void joined(ClientId client, Role role) override { now_.load()->joined(client, role); }
+  void left(ClientId client) override { now_.load()->left(client); }
+  void received(ClientId client, std::string text) override {
+    now_.load()->received(client, std::move(text));
+  }
+  std::string asset(std::size_t number) override { return now_.load()->asset(number); }
+
+ private:
+  std::atomic<Inbox*> now_{nullptr};
+};
+
+StartOptions start_options() {
+  StartOptions options;
+  std::error_code error;
+  options.folder = std::filesystem::current_path(error);
+  options.library = installed_folder("library");
+  options.examples = installed_folder("examples");
+  options.state_folder = user_state_folder();
+  return options;
+}
+
+void finish(Session& session) {
+  if (const std::string unsaved = session.document ? session.document->finish() : "";
+      !unsaved.empty()) {
+    cli::print_warning(unsaved);
+  }
+  if (const std::string stuck = session.run->finish(); !stuck.empty()) {
+    cli::print_error("the studio was ended while something did not return: " + stuck);
+    std::fflush(nullptr);
+    ::_exit(cli::kFailed);  // its thread cannot be
+  }
+}
+
+}  // namespace
+
+int studio_command(const StudioOptions& options) {
+  auto server = Server::listen(network_of(options));
+  if (!server) return failed(server.error());
+  const SignalsStop stopping(**server);
+
+  Desk desk;
+  std::unique_ptr<Session> session;  // made by the start page's thread, or here
+  const auto open = [&](const std::string& file) -> Result<> {
+    StudioOptions chosen = options;
+    chosen.file = file;
+    auto opened = open_session(chosen, **server);
+    if (!opened) return tl::unexpected(opened.error());
+    session = std::move(*opened);
+    desk.serve(*session->studio);
+    return {};
+  };
+  Start start(start_options(), open);
+  std::unique_ptr<Studio> lobby;
+  if (options.file.empty()) {
+    lobby = std::make_unique<Studio>(
+        info_of(options, "start"), std::vector<Part*>{&start},
+        [](std::size_t) { return std::string(); }, **server);
+    desk.serve(*lobby);
+  } else if (const auto opened = open(options.file); !opened) {
+    return failed(opened.error());
+  }
 
   if (auto shown = cli::print_output((*server)->address(Role::operator_) + "\n"); !shown) {
     return failed(shown.error());
@@ -157,15 +228,9 @@ int studio_command(const StudioOptions& options) {
         "that you may, and nothing is encrypted\nhelp: leave --host out and come by `ssh -L`");
   }
   if (options.open) open_browser((*server)->launch_address());
-  (*server)->run(studio);
-  if (const std::string unsaved = document ? document->finish() : ""; !unsaved.empty()) {
-    cli::print_warning(unsaved);
-  }
-  if (const std::string stuck = run->finish(); !stuck.empty()) {
-    cli::print_error("the studio was ended while something did not return: " + stuck);
-    std::fflush(nullptr);
-    ::_exit(cli::kFailed);  // its thread cannot be
-  }
+  (*server)->run(desk);
+  lobby.reset();  // waits for what it opens
+  if (session) finish(*session);
   fmt::print(stderr, "the studio has ended\n");
   return cli::kGood;
 }

@@ -12,7 +12,7 @@
 namespace cogrsim::studio {
 
 struct StudioOptions {
-  std::string file;  ///< scene or recording
+  std::string file;  ///< scene or recording; empty: chosen on the start page
   std::string host = "127.0.0.1";
   unsigned short port = 0;  ///< 0: 8642 or one of those behind it, else any that is free
   /// Whether the address is the same one after a restart within a day; empty: if only this machine's

@@ -55,8 +55,8 @@ void add_studio(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<StudioArguments>();
   command
       .add_option("file", arguments->options.file,
-                  "Scene file, NAME.scene.xml, which is made if it does not exist; or a recording")
-      ->required()
+                  "Scene file, NAME.scene.xml, which is made if it does not exist; or a recording. "
+                  "Without one a start page opens")
       ->type_name("SCENE|RUN.mcap");
   command
       .add_option("--host", arguments->options.host,
@@ -105,6 +105,7 @@ void add_studio(CLI::App& app, int& status) {
                 "DIR");
   command.footer(
       "Examples:\n"
+      "  cogrsim studio                                 a page to start from\n"
       "  cogrsim studio robot.scene.xml\n"
       "  cogrsim studio new.scene.xml                   an empty scene to build in\n"
       "  cogrsim studio robot.scene.xml --backend bullet --step \"1 ms\" --set load=2kg\n"

@@ -10,13 +10,19 @@ function target() {
   return { host, port: Number(port) };
 }
 
-/** The simulation may not have started yet. */
-function connect(triesLeft = 600) {
+let served = 0;
+
+/** The simulation may not have started yet; when it has ended there may be no further one. */
+function connect(triesLeft) {
   const link = net.connect(target());
   link.once("connect", () => serve(link));
-  link.once("error", (error) => {
-    if (triesLeft === 0 || !["ENOENT", "ECONNREFUSED"].includes(error.code)) throw error;
-    setTimeout(() => connect(triesLeft - 1), 50);
+  link.on("error", (error) => {
+    if (["ENOENT", "ECONNREFUSED"].includes(error.code)) {
+      if (triesLeft > 0) setTimeout(() => connect(triesLeft - 1), 50);
+      else if (served === 0) throw error;
+    } else if (!["ECONNRESET", "EPIPE"].includes(error.code)) {
+      throw error;
+    }
   });
 }
 
@@ -29,7 +35,11 @@ function send(link, message) {
 
 function answer(link, message) {
   if (message.type === "hello") {
-    console.log("controls", message.robot, "with", message.motors.map((motor) => motor.name));
+    const names = message.motors.map((motor) => motor.name);
+    console.log("controls", message.robot, "on", message.backend, "with", names);
+    ++served;
+    link.taken = true;
+    connect(20); // for another simulation, such as the next engine of `cogrsim compare`
   } else if (message.type === "update") {
     const motor = message.motors[0];
     const error = goal - motor.position;
@@ -45,6 +55,8 @@ function answer(link, message) {
 
 function serve(link) {
   link.setNoDelay(true);
+  // The last simulation has ended without taking it.
+  link.once("close", () => link.taken || connect(20));
   let received = Buffer.alloc(0);
   link.on("data", (part) => {
     received = Buffer.concat([received, part]);
@@ -57,4 +69,4 @@ function serve(link) {
   send(link, { type: "hello", protocol: 1, token: process.env.COGRSIM_CONTROLLER_TOKEN ?? "" });
 }
 
-connect();
+connect(600);

@@ -5,11 +5,14 @@ import os
 import socket
 import struct
 import sys
+import threading
 import time
 
+GOAL = 0.5235987755982988  # 30 degrees
 
-def connect(address, patience=30.0):
-    """The connection to the simulation, which may not have started yet."""
+
+def connect(address, patience):
+    """A connection to the simulation, which may not have started yet; None: there is none."""
     end = time.monotonic() + patience
     while True:
         try:
@@ -23,7 +26,7 @@ def connect(address, patience=30.0):
             return link
         except (FileNotFoundError, ConnectionRefusedError):
             if time.monotonic() > end:
-                raise
+                return None
             time.sleep(0.05)
 
 
@@ -33,29 +36,50 @@ def send(link, message):
 
 
 def receive(link):
+    """The next message; None: the simulation has closed the connection."""
     def exactly(count):
         data = b""
         while len(data) < count:
             part = link.recv(count - len(data))
             if not part:
-                raise SystemExit("the simulation closed the connection")
+                raise ConnectionResetError
             data += part
         return data
 
-    return json.loads(exactly(struct.unpack(">I", exactly(4))[0]))
+    try:
+        return json.loads(exactly(struct.unpack(">I", exactly(4))[0]))
+    except ConnectionResetError:
+        return None
+
+
+def control(link):
+    """Answers the updates of one simulation."""
+    while (message := receive(link)) and message["type"] == "update":
+        motor = message["motors"][0]
+        error = GOAL - motor["position"]
+        send(link, {"type": "set", "targets": [8.0 * error - 0.4 * motor["velocity"]],
+                    "outputs": {"output_1": error}})
+    link.close()
 
 
 def main():
-    link = connect(sys.argv[1] if len(sys.argv) > 1 else "unix:run.sock")
-    send(link, {"type": "hello", "protocol": 1, "token": os.environ.get("COGRSIM_CONTROLLER_TOKEN", "")})
-    robot = receive(link)
-    print("controls", robot["robot"], "with", [motor["name"] for motor in robot["motors"]])
-    goal = 0.5235987755982988  # 30 degrees
-    while (message := receive(link))["type"] == "update":
-        motor = message["motors"][0]
-        error = goal - motor["position"]
-        send(link, {"type": "set", "targets": [8.0 * error - 0.4 * motor["velocity"]],
-                    "outputs": {"output_1": error}})
+    address = sys.argv[1] if len(sys.argv) > 1 else "unix:run.sock"
+    patience = 30.0
+    # Several simulations, such as those of `cogrsim compare`: when one has taken the connection, the next
+    # connection is opened, which waits for another simulation.
+    while link := connect(address, patience):
+        try:
+            send(link, {"type": "hello", "protocol": 1, "token": os.environ.get("COGRSIM_CONTROLLER_TOKEN", "")})
+            robot = receive(link)
+        except BrokenPipeError:
+            robot = None
+        if robot is None:
+            continue  # the last simulation has ended
+        if robot["type"] == "refused":
+            sys.exit(robot["reason"])
+        print("controls", robot["robot"], "on", robot["backend"], "with", [m["name"] for m in robot["motors"]])
+        threading.Thread(target=control, args=(link,)).start()
+        patience = 1.0
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/control/controller.h"
+#include "cogrsim/core/json_bounds.h"
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/rendering/renderer.h"
 #include "connection.h"
 
@@ -99,7 +101,10 @@ class SocketController final : public Controller {
   }
 
   Json message(Deadline deadline) {
-    const Json message = Json::parse(connection_->receive(deadline), nullptr, false);
+    const std::string text = connection_->receive(deadline);
+    if (const std::string excess = json_excess(text); !excess.empty())
+      throw std::runtime_error("the client sent a message that " + excess);
+    const Json message = Json::parse(text, nullptr, false);
     if (!message.is_object()) throw std::runtime_error("the client sent no JSON object");
     return message;
   }
@@ -112,8 +117,8 @@ class SocketController final : public Controller {
 
   void connect() {
     if (::isatty(STDERR_FILENO) == 1)
-      std::fprintf(stderr, "waits for a controller of '%s' at %s\n", robot_->name().c_str(),
-                   address_.c_str());
+      std::fprintf(stderr, "waits for a controller of '%s' at %s\n",
+                   one_line(robot_->name()).c_str(), one_line(address_).c_str());
     const Deadline deadline = after(wait_);
     connection_ = listener_->accept(deadline);
     const Json hello = message(deadline);
@@ -130,18 +135,32 @@ class SocketController final : public Controller {
       throw std::runtime_error("the client has another protocol than 1");
     }
     pictures_ = hello.value("pictures", Json(false)) == true;
-    Json out = {{"type", "hello"}, {"protocol", kProtocol}, {"robot", robot_->name()}};
+    connection_->send(description().dump(), deadline);
+  }
+
+  /// What the client needs to know before the first update.
+  Json description() const {
+    Json out = {{"type", "hello"},         {"protocol", kProtocol},
+                {"robot", robot_->name()}, {"backend", robot_->backend()},
+                {"seed", robot_->seed()},  {"set", robot_->set_parameters()}};
     out["motors"] = Json::array();
-    for (std::size_t i = 0; i < motors_.size(); ++i)
-      out["motors"].push_back({{"name", motor_names_[i]},
-                               {"mode", to_string(motors_[i].mode())},
-                               {"max_speed", json_of(motors_[i].max_speed())},
-                               {"max_effort", json_of(motors_[i].max_effort())}});
+    for (std::size_t i = 0; i < motors_.size(); ++i) {
+      const MotorHandle& motor = motors_[i];
+      Json one = {{"name", motor_names_[i]},
+                  {"mode", to_string(motor.mode())},
+                  {"lower", json_of(motor.lower())},
+                  {"upper", json_of(motor.upper())},
+                  {"max_speed", json_of(motor.max_speed())},
+                  {"max_effort", json_of(motor.max_effort())}};
+      if (motor.mode() == MotorMode::dc) one["max_voltage"] = json_of(motor.max_voltage());
+      out["motors"].push_back(std::move(one));
+    }
     out["sensors"] = Json::array();
-    for (const std::string& name : sensor_names_) out["sensors"].push_back({{"name", name}});
+    for (std::size_t i = 0; i < sensors_.size(); ++i)
+      out["sensors"].push_back({{"name", sensor_names_[i]}, {"type", sensors_[i].type()}});
     out["outputs"] = Json::array();
     for (int i = 1; i <= kOutputs; ++i) out["outputs"].push_back("output_" + std::to_string(i));
-    connection_->send(out.dump(), deadline);
+    return out;
   }
 
   Json state(const Tick& tick) {

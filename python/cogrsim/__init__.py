@@ -10,6 +10,7 @@ All quantities are in SI units, orientations are quaternions w x y z, names are 
 """
 
 import atexit as _atexit
+import warnings as _warnings
 
 from ._errors import CompileError, Error, RunWarning, _diagnostic
 from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
@@ -20,6 +21,8 @@ from .control import Channel, Controller, Output, Parameter, Sensor, Supervisor,
 from .recording import Recording
 
 from . import _cogrsim as _c
+from ._cogrsim import __version__
+from ._sensors import name_readings as _name_readings
 
 
 def _signal(self, text):
@@ -59,6 +62,10 @@ def _report_html(self):
             f"<th>message</th><th>place</th></tr></thead><tbody>{''.join(rows)}</tbody></table>")
 
 
+# A fault is shown whenever it occurs. By default Python would show one per line of a program, so not that of the
+# second engine of a loop. Filters of the user come first.
+_warnings.filterwarnings("always", category=RunWarning, append=True)
+_name_readings(Reading, SensorHandle)
 ImportedModel._repr_html_ = ExportedModel._repr_html_ = _report_html
 Frame._repr_png_ = _frame_png
 Simulation._repr_png_ = lambda self: _frame_png(self.frame)

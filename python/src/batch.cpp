@@ -18,16 +18,18 @@ struct PyBatch {
   std::vector<ScenePtr> scenes;
   std::unique_ptr<Batch> batch;
   Held buffer;  ///< of the caller, into which observations are written
+  Held fixed;   ///< a weak reference, with which numpy does not resize it
+  const void* written = nullptr;  ///< its memory
   Usage usage;
   std::vector<std::size_t> warned;  ///< by world: number of messages that have been looked at
 
   ~PyBatch() {
-    if (usage.made_after && *usage.made_after != forks) {
-      static_cast<void>(batch.release());  // its threads are in another process, to wait for
+    if (ends_elsewhere() || (usage.made_after && *usage.made_after != forks)) {
+      static_cast<void>(batch.release());  // its threads cannot be waited for
       return;
     }
     // Worker threads may wait for the interpreter's lock.
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     batch.reset();
   }
 };
@@ -65,6 +67,9 @@ BatchPtr make_batch(const std::vector<py::object>& scenes, int count,
                     double duration, bool auto_reset, double missing) {
   if (count < 1)
     throw py::value_error("n: expected at least 1 world, given " + std::to_string(count));
+  if (count > kMostWorlds)
+    throw py::value_error(
+        fmt::format("n: expected at most {} worlds, given {}", kMostWorlds, count));
   auto out = std::make_shared<PyBatch>();
   for (const py::object& scene : scenes) out->scenes.push_back(scene_of(scene));
   if (out->scenes.empty()) throw py::value_error("scene: expected at least one");
@@ -80,7 +85,7 @@ BatchPtr make_batch(const std::vector<py::object>& scenes, int count,
   options.auto_reset = auto_reset;
   options.missing = missing;
   auto made = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return Batch::create(models_of(out->scenes, count, backends), options,
                          out->scenes.front()->loader);
   }();
@@ -108,13 +113,41 @@ void set_actions(PyBatch& self, const py::object& given) {
   std::copy_n(data, table.size(), table.data());
 }
 
+/// What is wrong with an array as a table of observations; empty: nothing.
+std::string trouble_of(const py::array& array, const Batch::ConstTable& table) {
+  if (array.ndim() != 2 || array.shape(0) != table.rows() || array.shape(1) != table.cols())
+    return "the shape " + py::str(array.attr("shape")).cast<std::string>();
+  if (!array.writeable() || (array.flags() & py::array::c_style) == 0)
+    return "one that is read-only or has gaps";
+  return {};
+}
+
+std::string expected_buffer(const Batch::ConstTable& table) {
+  return fmt::format(
+      "buffer: expected a writeable, C-contiguous float64 array of the shape ({}, {})",
+      table.rows(), table.cols());
+}
+
+/// The caller may have changed its array since observe_into().
+void check_buffer(PyBatch& self) {
+  if (!self.buffer) return;
+  const auto array = self.buffer->cast<py::array>();
+  const Batch::ConstTable table = self.batch->observations();
+  std::string trouble = trouble_of(array, table);
+  if (trouble.empty() && array.data() != self.written) trouble = "one with other memory";
+  if (!trouble.empty())
+    throw py::value_error(expected_buffer(table) +
+                          ", and the array of observe_into() has changed: it is now " + trouble);
+}
+
 void step(PyBatch& self, const py::object& actions, int steps) {
   if (steps < 1)
     throw py::value_error("steps: expected at least 1, given " + std::to_string(steps));
   const Use use(self);
+  check_buffer(self);
   if (!actions.is_none()) set_actions(self, actions);
   {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     self.batch->step(steps);
   }
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -122,12 +155,13 @@ void step(PyBatch& self, const py::object& actions, int steps) {
 
 void reset(PyBatch& self, const std::vector<std::uint64_t>& seeds, const std::vector<int>& worlds) {
   const Use use(self);
+  check_buffer(self);
   if (!seeds.empty() && seeds.size() != worlds.size()) {
     throw py::value_error("seed: expected " + std::to_string(worlds.size()) + " seeds, given " +
                           std::to_string(seeds.size()));
   }
   for (const int world : worlds) checked_world(self, world);
-  const py::gil_scoped_release unlock;
+  const Unlock unlock;
   if (seeds.empty() && worlds.size() == static_cast<std::size_t>(self.batch->size())) {
     self.batch->reset_all();
     return;
@@ -136,7 +170,7 @@ void reset(PyBatch& self, const std::vector<std::uint64_t>& seeds, const std::ve
     const auto done = self.batch->reset(
         worlds[i], seeds.empty() ? std::optional<std::uint64_t>() : std::optional(seeds[i]));
     if (done) continue;
-    const py::gil_scoped_acquire lock;
+    const Lock lock;
     raise(done.error());
   }
 }
@@ -146,27 +180,23 @@ void observe_into(PyBatch& self, const py::object& buffer) {
   if (buffer.is_none()) {
     self.batch->observe_into(nullptr);
     self.buffer.reset();
+    self.fixed.reset();
     return;
   }
   const Batch::ConstTable table = self.batch->observations();
-  const std::string expected =
-      "buffer: expected a writeable, C-contiguous float64 array of the shape (" +
-      std::to_string(table.rows()) + ", " + std::to_string(table.cols()) + ")";
+  const std::string expected = expected_buffer(table);
   if (!py::isinstance<py::array>(buffer)) throw py::type_error(expected);
   const auto array = buffer.cast<py::array>();
   if (!array.dtype().is(py::dtype::of<double>())) {
     throw py::type_error(expected + ", given the dtype " +
                          py::str(array.dtype()).cast<std::string>());
   }
-  if (array.ndim() != 2 || array.shape(0) != table.rows() || array.shape(1) != table.cols()) {
-    throw py::value_error(expected + ", given the shape " +
-                          py::str(buffer.attr("shape")).cast<std::string>());
-  }
-  if (!array.writeable() || (array.flags() & py::array::c_style) == 0) {
-    throw py::value_error(expected + ", given one that is read-only or has gaps");
-  }
+  if (const std::string trouble = trouble_of(array, table); !trouble.empty())
+    throw py::value_error(expected + ", given " + trouble);
   self.batch->observe_into(static_cast<double*>(py::array(array).mutable_data()));
   self.buffer = hold(buffer);
+  self.fixed = hold(py::weakref(buffer));
+  self.written = array.data();
 }
 
 py::object observations(PyBatch& self) {

@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include <thread>
 
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/dsl/compiler.h"
 
 namespace cogrsim::python {
@@ -19,7 +21,7 @@ py::str shown(const std::string& text) {
 
 void raise(const char* type, const std::string& text, const std::vector<Diagnostic>& diagnostics) {
   const py::object cls = py::module_::import("cogrsim._errors").attr(type);
-  PyErr_SetObject(cls.ptr(), cls(shown(text), py::cast(diagnostics)).ptr());
+  PyErr_SetObject(cls.ptr(), cls(shown(printable(text)), py::cast(diagnostics)).ptr());
   throw py::error_already_set();
 }
 
@@ -68,10 +70,55 @@ void raise_unknown(const std::string& what, const std::string& name,
   throw py::key_error(text);
 }
 
+namespace {
+
+std::atomic<bool> at_exit = false, gone = false;  // gone: nobody may take the lock any more
+std::atomic<std::thread::id> exit_thread;
+std::atomic<int> locking = 0;  // threads that are about to have the lock
+
+bool is_left_behind() { return gone && exit_thread.load() != std::this_thread::get_id(); }
+
+template <class Take>
+void take_lock(Take&& take) {
+  ++locking;
+  if (is_left_behind()) {
+    --locking;
+    while (true) ::pause();
+  }
+  take();
+  --locking;
+}
+
+/// Whether `count` becomes 0 within 5 s, seen by the thread that has the lock.
+bool becomes_none(const std::atomic<int>& count) {
+  for (int i = 0; i < 500 && count > 0; ++i) {
+    const py::gil_scoped_release unlock;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return count <= 0;
+}
+
+}  // namespace
+
+Lock::Lock() {
+  take_lock([&] { lock_.emplace(); });
+}
+
+Unlock::Unlock() {
+  refuse_at_exit();
+  ++calls_under_way;
+  unlock_.emplace();
+}
+
+Unlock::~Unlock() {
+  take_lock([&] { unlock_.reset(); });
+  --calls_under_way;
+}
+
 Held hold(py::object object) {
   return Held(new py::object(std::move(object)), [](py::object* held) {
-    if (!Py_IsInitialized()) return;  // the interpreter is gone, and its objects with it
-    const py::gil_scoped_acquire lock;
+    if (!Py_IsInitialized() || is_left_behind()) return;  // the interpreter's objects go with it
+    const Lock lock;
     delete held;
   });
 }
@@ -93,27 +140,26 @@ std::atomic<int> calls_under_way = 0;
 std::atomic<int> forks = 0;
 
 void count_forks() {
-  ::pthread_atfork(nullptr, nullptr, [] { ++forks; });
+  ::pthread_atfork(nullptr, nullptr, [] {
+    ++forks;
+    calls_under_way = locking = 0;  // of threads that stayed in the parent
+  });
 }
-
-namespace {
-
-std::atomic<bool> at_exit = false;
-std::atomic<std::thread::id> exit_thread;
-
-}  // namespace
 
 void end_calls() {
   exit_thread = std::this_thread::get_id();
   at_exit = true;
-  const py::gil_scoped_release unlock;
-  for (int i = 0; i < 500 && calls_under_way > 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (becomes_none(calls_under_way)) return;
+  gone = true;
+  static_cast<void>(becomes_none(locking));
 }
 
+bool ends_elsewhere() { return at_exit && exit_thread.load() != std::this_thread::get_id(); }
+
 void refuse_at_exit() {
-  if (at_exit && exit_thread.load() != std::this_thread::get_id())
-    throw std::runtime_error("the program ends: nothing is simulated in its other threads");
+  if (!ends_elsewhere()) return;
+  PyErr_SetNone(PyExc_SystemExit);
+  throw py::error_already_set();
 }
 
 void InterruptLater::check() {
@@ -249,6 +295,12 @@ py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape) {
   }
   return view(py::dtype::of<double>(), std::move(shape), std::move(strides), memory->data(),
               owner_of(memory));
+}
+
+py::array rows_of(const std::vector<Vec3>& vectors) {
+  std::vector<double> values;
+  for (const Vec3& v : vectors) values.insert(values.end(), {v.x(), v.y(), v.z()});
+  return owned(std::move(values), {static_cast<py::ssize_t>(vectors.size()), 3});
 }
 
 }  // namespace cogrsim::python

@@ -6,6 +6,7 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,13 +50,40 @@ auto held(R (*method)(T&, A...)) {
   };
 }
 
-/// The interpreter ends: calls of other threads that step raise RuntimeError from now on. Waits for those that
-/// are under way, 5 s at most: a thread that takes the lock of an interpreter that is gone ends the process.
+/// The interpreter ends: calls of other threads that step raise SystemExit from now on, which ends a thread
+/// without a word: one that prints while the interpreter ends would end the process by a signal. Waits for
+/// the calls that are under way, 5 s at most; those of which some are left then sleep until the process ends,
+/// as a thread that takes the lock of an interpreter that is gone would end it.
 void end_calls();
-/// Raises RuntimeError after end_calls(), but in the thread that called it.
+/// Whether another thread has called end_calls().
+bool ends_elsewhere();
+/// Raises SystemExit then.
 void refuse_at_exit();
 /// Number of calls under way.
 extern std::atomic<int> calls_under_way;
+
+/// The interpreter's lock, in a thread that may not have it.
+class Lock {
+ public:
+  Lock();
+
+ private:
+  std::optional<py::gil_scoped_acquire> lock_;
+};
+
+/// Without the interpreter's lock, in a call for which end_calls() waits. Raises SystemExit as
+/// refuse_at_exit() does.
+class Unlock {
+ public:
+  Unlock();
+  ~Unlock();
+  Unlock(const Unlock&) = delete;
+  Unlock& operator=(const Unlock&) = delete;
+
+ private:
+  std::optional<py::gil_scoped_release> unlock_;
+};
+
 /// Number of fork()s that lead to this process, which has none of the threads from before them.
 extern std::atomic<int> forks;
 /// Counts them from now on.
@@ -120,6 +148,8 @@ py::array view(const py::dtype& type, std::vector<py::ssize_t> shape,
                std::vector<py::ssize_t> strides, const void* data, const py::object& owner);
 /// A read-only array that owns `values`.
 py::array owned(std::vector<double> values, std::vector<py::ssize_t> shape);
+/// A read-only array (n, 3) of its own.
+py::array rows_of(const std::vector<Vec3>& vectors);
 /// Name of a view's owner in Python.
 py::object owner_of(std::shared_ptr<const void> memory);
 

@@ -38,7 +38,34 @@ py::array orientations(const PyFrame& self) {
   return owned(std::move(out), {static_cast<py::ssize_t>(poses.size()), 4});
 }
 
+/// The frame, if it has the contents of the member.
+const Frame& having(const PyFrame& self, bool FrameContents::*member, const char* name) {
+  FrameContents wanted;
+  wanted.*member = true;
+  check_contents(*self.frame, wanted, name);
+  return *self.frame;
+}
+
 }  // namespace
+
+void check_contents(const Frame& frame, const FrameContents& wanted, const std::string& who) {
+  if (covers(frame.contents, wanted)) return;
+  const char* what = wanted.contacts && !frame.contents.contacts             ? "contacts"
+                     : wanted.accelerations && !frame.contents.accelerations ? "accelerations"
+                                                                             : "joint_reactions";
+  raise("Error",
+        fmt::format("{}: this frame has no {}, because nobody asked for them before the step{}; "
+                    "write observe(callback, {}=True), or {} = True in the class of a supervisor "
+                    "or sensor{}",
+                    who, what,
+                    wanted.joint_reactions ? ", or because the engine does not report them" : "",
+                    what, what, wanted.contacts ? ", or record(path, contacts=True)" : ""));
+}
+
+double value_of(const Signal& signal, const Frame& frame) {
+  check_contents(frame, signal.needs(), "signal '" + signal.text() + "'");
+  return signal.evaluate(frame);
+}
 
 SignalScope scope_of(const Frame& frame) {
   return {*frame.model,
@@ -148,16 +175,18 @@ is body i of `bodies`; elements that were removed keep their last values. SI uni
       .def_property_readonly(
           "acceleration",
           [](const PyFrame& f) {
-            return columns(f.frame, f.frame->accelerations, first_of(f.frame->accelerations, false),
-                           3);
+            const auto& all =
+                having(f, &FrameContents::accelerations, "acceleration").accelerations;
+            return columns(f.frame, all, first_of(all, false), 3);
           },
-          "(nbody, 3) float64: mean over the last step [m/s^2]; (0, 3) where nobody asked for it "
-          "before the step")
+          "(nbody, 3) float64: mean over the last step [m/s^2]; (0, 3) at the start. Raises Error: "
+          "nobody\nasked for accelerations before the step")
       .def_property_readonly(
           "angular_acceleration",
           [](const PyFrame& f) {
-            return columns(f.frame, f.frame->accelerations, first_of(f.frame->accelerations, true),
-                           3);
+            const auto& all =
+                having(f, &FrameContents::accelerations, "angular_acceleration").accelerations;
+            return columns(f.frame, all, first_of(all, true), 3);
           },
           "(nbody, 3) float64 [rad/s^2], as acceleration")
       .def_property_readonly(
@@ -179,16 +208,21 @@ is body i of `bodies`; elements that were removed keep their last values. SI uni
       .def_property_readonly(
           "joint_reaction",
           [](const PyFrame& f) {
-            const auto& all = f.frame->joint_reactions;
+            const auto& all =
+                having(f, &FrameContents::joint_reactions, "joint_reaction").joint_reactions;
             return columns(f.frame, all, all.empty() ? nullptr : all.front().force.data(), 6);
           },
-          "(njoint, 6) float64: force [N] and torque [N m]; (0, 6) where the engine reports none")
+          "(njoint, 6) float64: force [N] and torque [N m]. Raises Error: nobody asked for "
+          "joint_reactions, or\nthe engine reports none")
       .def_property_readonly(
           "contacts",
-          [](const PyFrame& f) { return contacts_view(f.frame->contacts, owner_of(f.frame)); },
+          [](const PyFrame& f) {
+            return contacts_view(having(f, &FrameContents::contacts, "contacts").contacts,
+                                 owner_of(f.frame));
+          },
           "(ncontact,) structured: body_a, body_b, shape_a, shape_b (int32), point [m], normal "
           "from a to b,\n"
-          "depth [m], force on b [N]. Empty where nobody asked for contacts.")
+          "depth [m], force on b [N]. Raises Error: nobody asked for contacts.")
       .def_property_readonly(
           "sensors", [](const PyFrame& f) { return sensors_of(f.frame); },
           "dict of Reading by the dotted name of the sensor")
@@ -216,11 +250,13 @@ is body i of `bodies`; elements that were removed keep their last values. SI uni
       .def(
           "value",
           [](const PyFrame& f, const std::string& signal) {
-            return parse_signal(scope_of(*f.frame), signal).evaluate(*f.frame);
+            return value_of(parse_signal(scope_of(*f.frame), signal), *f.frame);
           },
           py::arg("signal"),
           "Value of a signal such as 'distance(robot, wall)' in SI units; NaN: it has none.\n"
-          "Raises ValueError: the signal is wrong, with the most similar names.")
+          "Raises ValueError: the signal is wrong, with the most similar names; Error: it needs "
+          "contacts, and\n"
+          "nobody asked for them.")
       .def(
           "__getitem__",
           [](const PyFrame& f, const std::string& name) { return element_of(f.frame, name); },
@@ -230,9 +266,11 @@ is body i of `bodies`; elements that were removed keep their last values. SI uni
           "attributes are the quantities of signals: frame['robot.chassis'].speed.\n"
           "Raises KeyError naming the nearest names.")
       .def("__repr__", [](const PyFrame& f) {
-        return fmt::format("<Frame of '{}' at {:.6g} s: {} bodies, {} contacts>",
-                           f.frame->model->name, f.frame->time, f.frame->state.poses.size(),
-                           f.frame->contacts.size());
+        const std::string contacts = f.frame->contents.contacts
+                                         ? fmt::format(", {} contacts", f.frame->contacts.size())
+                                         : "";
+        return fmt::format("<Frame of '{}' at {:.6g} s: {} bodies{}>", f.frame->model->name,
+                           f.frame->time, f.frame->state.poses.size(), contacts);
       });
 }
 

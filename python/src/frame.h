@@ -15,6 +15,10 @@ inline PyFrame to_python(FramePtr frame) { return {std::move(frame)}; }
 
 /// The names that signals of a frame may use. `model` and `channels` of the frame must outlive it.
 SignalScope scope_of(const Frame& frame);
+/// Errors: Error, `who` needs contents that the frame does not have.
+void check_contents(const Frame& frame, const FrameContents& wanted, const std::string& who);
+/// Value of a signal in a frame. Errors: as check_contents().
+double value_of(const Signal& signal, const Frame& frame);
 /// Parses a signal. Errors: ValueError with the remedy.
 Signal parse_signal(const SignalScope& scope, const std::string& text);
 

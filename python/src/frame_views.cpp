@@ -1,9 +1,11 @@
 // Elements of a frame by name, and readings of sensors.
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "cogrsim/rendering/renderer.h"
+#include "cogrsim/sensing/sensor_models.h"
 #include "frame.h"
 #include "rendering.h"
 #include "scene.h"
@@ -22,7 +24,7 @@ struct Element {
 double quantity(const Element& e, const std::string& what) {
   const auto signal = Signal::parse(scope_of(*e.frame), e.name + "." + what);
   if (!signal) throw py::attribute_error(e.kind + " '" + e.name + "': " + signal.error().text());
-  return signal->evaluate(*e.frame);
+  return value_of(*signal, *e.frame);
 }
 
 py::object triple(const Element& e, const char* const (&quantities)[3]) {
@@ -95,6 +97,19 @@ double value_by_name(const PyReading& r, const std::string& name) {
     if (names[i] == name) return i < r->values.size() ? r->values[i] : std::nan("");
   }
   raise_unknown("channel of sensor '" + r.sensor().name + "' named", name, names);
+}
+
+std::string body_name(const PyReading& r, int body) {
+  const std::vector<Body>& bodies = r.frame->model->bodies;
+  const auto index = static_cast<std::size_t>(body);
+  return r->valid && body >= 0 && index < bodies.size() ? bodies[index].name : "";
+}
+
+std::vector<std::string> contact_bodies(const PyReading& r) {
+  std::set<std::string> names;
+  for (const Contact& contact : r->contacts) names.insert(body_name(r, contact.body_a));
+  names.erase("");
+  return {names.begin(), names.end()};
 }
 
 template <class Elements>
@@ -232,6 +247,22 @@ reading['distance'] is the value of a channel; values, the array of all.)")
           [](const PyReading& r) { return r->picture ? labels_of(r->picture) : py::none(); },
           "Of a camera with segmentation: (height, width) int32 body indices, -1: background; "
           "otherwise None")
+      .def_property_readonly(
+          "sensor_pose",
+          [](const PyReading& r) -> py::object {
+            if (!r->pose) return py::none();
+            const auto& [p, q] = *r->pose;
+            return py::make_tuple(owned({p.x(), p.y(), p.z()}, {3}),
+                                  owned({q.w(), q.x(), q.y(), q.z()}, {4}));
+          },
+          "Where the sensor measured, in the world: position (3,) [m], quaternion (4,) w x y z; "
+          "None: no\nmeasurement yet")
+      .def("_body",
+           [](const PyReading& r) {
+             return r->values.size() > 1 ? body_name(r, static_cast<int>(r->values[1])) : "";
+           })
+      .def("_bodies", &contact_bodies)
+      .def("_directions", [](const PyReading& r) { return rows_of(ray_directions(r.sensor())); })
       .def("__getitem__", &value_by_name, py::arg("channel"),
            "Value of a channel; NaN: no measurement yet. Raises KeyError naming the channels.")
       .def("__len__", [](const PyReading& r) { return r->values.size(); })

@@ -54,6 +54,19 @@ py::object parameter(PyAssembly& self, const std::string& name) {
   raise_unknown("parameter", name, names);
 }
 
+/// The handle of a sensor of this type; its owner was asked for it before.
+template <class Handle>
+Handle typed(const PySensor& self) {
+  if (self.get().type() != Handle::kType)
+    throw py::attribute_error("sensor '" + self.name + "' is no " + Handle::kType);
+  Assembly assembly = self.assembly;
+  return assembly.sensor<Handle>(self.name);
+}
+
+PicturePtr picture_of(const PySensor& self) {
+  return self.get().valid() ? self.get().reading().picture : nullptr;
+}
+
 std::shared_ptr<const std::vector<Contact>> contacts(const PySensor& self) {
   return std::make_shared<const std::vector<Contact>>(self.get().reading().contacts);
 }
@@ -107,6 +120,15 @@ void bind_handles(py::module_& m) {
           "max_effort", [](const PyMotor& s) { return s.get().max_effort(); },
           "[N m] or [N]; inf: no limit")
       .def_property_readonly(
+          "max_voltage", [](const PyMotor& s) { return s.get().max_voltage(); },
+          "Of mode 'dc' [V]; inf: no limit")
+      .def_property_readonly(
+          "lower", [](const PyMotor& s) { return s.get().lower(); },
+          "Lower limit of the driven joint axis [rad] or [m]; -inf: none")
+      .def_property_readonly(
+          "upper", [](const PyMotor& s) { return s.get().upper(); },
+          "Upper limit of the driven joint axis [rad] or [m]; inf: none")
+      .def_property_readonly(
           "valid", [](const PyMotor& s) { return s.get().valid(); },
           "False: the assembly has no such motor, or it was removed")
       .def_property_readonly(
@@ -119,6 +141,9 @@ void bind_handles(py::module_& m) {
 
   py::class_<PySensor>(m, "SensorHandle", "A sensor of a robot, for its controller.")
       .def_readonly("name", &PySensor::name, "Name inside the assembly")
+      .def_property_readonly(
+          "type", [](const PySensor& s) { return s.get().type(); },
+          "Kind of the sensor, such as 'lidar', or the name of its plugin")
       .def_property_readonly(
           "valid", [](const PySensor& s) { return s.get().valid(); },
           "False: no measurement yet, switched off, dropped out, or there is no such sensor")
@@ -148,10 +173,35 @@ void bind_handles(py::module_& m) {
       .def_property_readonly(
           "image",
           [](const PySensor& s) {
-            const PicturePtr picture = s.get().valid() ? s.get().reading().picture : nullptr;
+            const PicturePtr picture = picture_of(s);
             return picture ? color_of(picture) : py::none();
           },
           "Of a camera: (height, width, 3) uint8; None: no image")
+      .def_property_readonly(
+          "depth",
+          [](const PySensor& s) {
+            const PicturePtr picture = picture_of(s);
+            return picture ? depth_of(picture) : py::none();
+          },
+          "Of a camera with depth: (height, width) float32 [m], inf: background; otherwise None")
+      .def_property_readonly(
+          "labels",
+          [](const PySensor& s) {
+            const PicturePtr picture = picture_of(s);
+            return picture ? labels_of(picture) : py::none();
+          },
+          "Of a camera with segmentation: (height, width) int32 body indices, -1: background; "
+          "otherwise None")
+      .def("_body", [](const PySensor& s) { return typed<Infrared>(s).body(); })
+      .def("_bodies", [](const PySensor& s) { return typed<ContactSensor>(s).bodies(); })
+      .def("_directions",
+           [](const PySensor& s) {
+             const Lidar lidar = typed<Lidar>(s);
+             std::vector<Vec3> directions;
+             for (std::size_t i = 0; i < lidar.size(); ++i)
+               directions.push_back(lidar.direction(i));
+             return rows_of(directions);
+           })
       .def(
           "enable",
           [](PySensor& s, bool on) {
@@ -193,6 +243,14 @@ fails with all of them; later it raises KeyError. Usable only inside the calls o
           "Names of all sensors, as sensor() accepts them")
       .def("parameter", &parameter, py::arg("name"),
            "Value of a declared parameter, in SI units. Raises KeyError.")
+      .def_property_readonly(
+          "seed", [](PyAssembly& s) { return robot(s).seed(); }, "Seed of the run")
+      .def_property_readonly(
+          "backend", [](PyAssembly& s) { return robot(s).backend(); },
+          "Name of the backend that the run is on")
+      .def_property_readonly(
+          "set_parameters", [](PyAssembly& s) { return robot(s).set_parameters(); },
+          "Parameters of the scene that were set when it was compiled, as a dict of texts")
       .def_property_readonly(
           "scene_folder", [](PyAssembly& s) { return robot(s).scene_folder(); },
           "Folder of the scene file, for files that a parameter names; '' for a text")

@@ -52,7 +52,7 @@ py::object to_python(const ParameterValue& value);
 /// Calls Python code of a plugin. An exception becomes std::runtime_error with its traceback.
 template <class Function>
 void call_python(Gate& gate, Function&& function) {
-  const py::gil_scoped_acquire lock;
+  const Lock lock;
   const Opening opening(gate);
   std::string failure;
   try {

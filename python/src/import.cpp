@@ -51,7 +51,7 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
   options.drives = chosen("drives", drives, kinds);
   const std::string file = path_of(path);
   auto result = std::make_shared<dsl::ImportResult>([&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return dsl::import_model(file, options);
   }());
   if (result->scene.empty()) raise("CompileError", result->diagnostics);
@@ -72,7 +72,7 @@ std::shared_ptr<Exported> export_model(const py::object& scene, const std::strin
   options.format = chosen("format", format, formats);
   const ScenePtr source = scene_of(scene);
   auto result = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return dsl::export_model(*source->model, options);
   }();
   return std::make_shared<Exported>(Exported{value_of(std::move(result)), source->files});
@@ -85,8 +85,9 @@ void write(const Model& model, const std::string& text, OutputKind kind, const f
   OutputRules rules;
   rules.overwrite = overwrite;
   rules.inputs = model.files_read;
-  check(write_output_file(to.string(), kind, text, rules));
+  check(check_output(to.string(), kind, rules));
   check(dsl::write_beside(to.parent_path().string(), model.files, rules));
+  check(write_output_file(to.string(), kind, text, rules));
 }
 
 std::string name_of(const dsl::ImportResult& model) { return "ImportedModel " + model.format; }

@@ -4,6 +4,7 @@
 PYBIND11_MODULE(_cogrsim, m) {
   using namespace cogrsim::python;
   m.doc() = "The compiled part of cogrsim.";
+  m.attr("__version__") = COGRSIM_VERSION;
   bind_scene(m);
   bind_frame(m);
   bind_frame_views(m);

@@ -80,7 +80,7 @@ Found find(PluginKind kind, const std::string& name, const std::vector<std::stri
     return fail(std::string(to_string(kind)) + " '" + name + "' cannot be a Python class", "", "",
                 "CG0903");
   }
-  const py::gil_scoped_acquire lock;
+  const Lock lock;
   try {
     return declare(kind, name, folders);
   } catch (py::error_already_set& error) {
@@ -99,7 +99,7 @@ Found find(PluginKind kind, const std::string& name, const std::vector<std::stri
 }
 
 Result<std::vector<std::string>> host(const std::string& name) {
-  const py::gil_scoped_acquire lock;
+  const Lock lock;
   try {
     return py::module_::import("cogrsim._plugins")
         .attr("host_command")(name)
@@ -118,8 +118,7 @@ void bind_controllers(py::module_& m) {
   set_plugin_source("py:", find, host);
   m.def("_is_unit",
         [](const std::string& text) { return text == "1" || units::parse_unit(text).has_value(); });
-  m.def("_serve_isolated_controller", &serve_isolated_controller,
-        py::call_guard<py::gil_scoped_release>());
+  m.def("_serve_isolated_controller", &serve_isolated_controller, py::call_guard<Unlock>());
 }
 
 }  // namespace cogrsim::python

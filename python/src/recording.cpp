@@ -52,7 +52,7 @@ void finish(PyRecorder& self) {
   self.finished = true;
   const RunStatus status = self.session->simulation->status();
   const Result<> done = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return self.recorder->finish(status == RunStatus::running ? RunStatus::completed : status);
   }();
   check(done);
@@ -75,13 +75,15 @@ std::size_t index_in(const PyRecording& self, py::ssize_t index) {
 
 /// Visits all frames without the interpreter's lock, and looks for Ctrl-C.
 template <class Visit>
-void visit_frames(PyRecording& self, Visit&& visit) {
-  const py::gil_scoped_release unlock;
+void visit_frames(PyRecording& self, const FrameContents& wanted, const std::string& who,
+                  Visit&& visit) {
+  const Unlock unlock;
   for (std::size_t i = 0; i < self.recording->frame_count(); ++i) {
     const auto frame = self.recording->frame(i);
-    if (!frame || i % 256 == 255) {
-      const py::gil_scoped_acquire lock;
+    if (!frame || i % 256 == 255 || !covers((*frame)->contents, wanted)) {
+      const Lock lock;
       if (!frame) raise(frame.error());
+      check_contents(**frame, wanted, who);
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
     visit(**frame);
@@ -112,7 +114,10 @@ py::tuple table(PyRecording& self, const std::string& name) {
     for (const std::string& one : sensors_in(self)) names.push_back(one);
     raise_unknown("table", name, names);
   }
-  visit_frames(self, [&](const Frame& frame) { tabulator->add(frame); });
+  FrameContents wanted;
+  wanted.contacts = name == "contacts";
+  visit_frames(self, wanted, "table 'contacts'",
+               [&](const Frame& frame) { tabulator->add(frame); });
   return tabulator->finish();
 }
 
@@ -122,7 +127,7 @@ py::tuple signal(PyRecording& self, const std::string& text) {
   if (self.recording->frame_count() > 0) {
     const FramePtr last = value_of(self.recording->frame(self.recording->frame_count() - 1));
     const Signal parsed = parse_signal(scope_of(*last), text);
-    visit_frames(self, [&](const Frame& frame) {
+    visit_frames(self, parsed.needs(), "signal '" + text + "'", [&](const Frame& frame) {
       times.push_back(frame.time);
       values.push_back(parsed.evaluate(frame));
     });
@@ -185,7 +190,7 @@ void bind_recording(py::module_& m) {
         auto out = std::make_shared<PyRecording>();
         out->path = path_of(path);
         Result<std::unique_ptr<Recording>> opened = [&] {
-          const py::gil_scoped_release unlock;
+          const Unlock unlock;
           return Recording::open(out->path);
         }();
         out->recording = value_of(std::move(opened));

@@ -38,7 +38,7 @@ py::dict render(const PyFrame& self, const std::string& from, int width, int hei
   request.shadows = shadows;
   check(check_camera(request.camera));
   Result<std::vector<Picture>> pictures = [&]() -> Result<std::vector<Picture>> {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     const std::shared_ptr<PluginLoader> loader =
         scene ? scene->loader : std::make_shared<PluginLoader>();
     auto renderer = load_renderer(*loader);

@@ -52,7 +52,7 @@ struct Request {
     options.plugins = &catalog;
     dsl::CompileResult result;
     {
-      const py::gil_scoped_release unlock;
+      const Unlock unlock;
       result = compile(options);
     }
     auto scene = std::make_shared<Scene>();

@@ -34,8 +34,10 @@ void bind_signals(py::module_& m) {
                              "In the present frame of its simulation; NaN: none")
       .def(
           "__call__",
-          [](const PySignal& s, const PyFrame& frame) { return s.signal.evaluate(*frame.frame); },
-          py::arg("frame"), "The value in a frame, in `unit`; NaN: none")
+          [](const PySignal& s, const PyFrame& frame) { return value_of(s.signal, *frame.frame); },
+          py::arg("frame"),
+          "The value in a frame, in `unit`; NaN: none. Raises Error: it needs contacts, and nobody "
+          "asked for\nthem before the step of the frame")
       .def("__repr__", [](const PySignal& s) {
         return "<Signal " + s.signal.text() + " [" + s.signal.unit() + "]>";
       });

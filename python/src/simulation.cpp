@@ -17,7 +17,7 @@ constexpr auto kPatience = std::chrono::milliseconds(20);
 
 /// Raises what a signal handler or an observer left behind. The caller does not hold the lock.
 void raise_pending(Session& session, InterruptLater& interrupt) {
-  const py::gil_scoped_acquire lock;
+  const Lock lock;
   if (session.observer_failed.exchange(false)) {
     const Held error = std::move(session.observer_error);
     PyErr_SetObject(py::type::handle_of(*error).ptr(), error->ptr());
@@ -30,11 +30,11 @@ void raise_pending(Session& session, InterruptLater& interrupt) {
 class ProgressLine {
  public:
   ProgressLine(double start, double end) {
-    const py::gil_scoped_acquire lock;
+    const Lock lock;
     line_ = hold(py::module_::import("cogrsim._progress").attr("Progress")(start, end));
   }
   ~ProgressLine() {
-    const py::gil_scoped_acquire lock;
+    const Lock lock;
     try {
       line_->attr("end")();
     } catch (py::error_already_set& error) {
@@ -45,7 +45,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(double time) {
-    const py::gil_scoped_acquire lock;
+    const Lock lock;
     line_->attr("show")(time);
   }
 
@@ -68,7 +68,7 @@ SessionPtr make_session(const py::object& scene, const py::object& backend, doub
   session->scene = scene_of(scene);
   const SimulationOptions options = simulation_options(backend, step, seed, speed, isolation);
   auto created = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return Simulation::create(session->scene->model, options, session->scene->loader);
   }();
   if (!created) raise("Error", created.error());
@@ -85,7 +85,7 @@ Observation observe(const SessionPtr& session, const py::function& callback, boo
   ++session->observers;
   return session->simulation->observe({contacts, joint_reactions, accelerations, for_sensors},
                                       [held, owner](const FramePtr& frame) {
-                                        const py::gil_scoped_acquire lock;
+                                        const Lock lock;
                                         if (owner->observer_failed.load()) return;
                                         try {
                                           (*held)(to_python(frame));
@@ -169,7 +169,7 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
   {
     const Use use(session);
     InterruptLater interrupt;
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     Simulation& run = *session.simulation;
     auto looked = Clock::now();
     std::optional<ProgressLine> line;
@@ -394,7 +394,7 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
           [](const SessionPtr& s, const std::string& name) {
             const Use use(*s);
             const Reloaded done = value_of([&] {
-              const py::gil_scoped_release unlock;
+              const Unlock unlock;
               return s->simulation->reload_controller(name);
             }());
             py::dict out;

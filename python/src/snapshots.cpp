@@ -79,7 +79,7 @@ SessionPtr resumed(const py::object& snapshot, const py::object& scene, const py
   if (!seed) options.seed = file.info().seed;
   if (step == 0.0) options.step = file.info().step;
   auto made = [&] {
-    const py::gil_scoped_release unlock;
+    const Unlock unlock;
     return resume(file, session->scene->model, options, session->scene->loader);
   }();
   if (!made) raise("Error", made.error());
@@ -108,7 +108,7 @@ void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type) {
           [](const SessionPtr& session, const PySnapshot& snapshot, bool restart_controllers) {
             const Use use(*session);
             Result<> done = [&]() -> Result<> {
-              const py::gil_scoped_release unlock;
+              const Unlock unlock;
               return session->simulation->restore(snapshot.snapshot, restart_controllers);
             }();
             check(done);

@@ -190,10 +190,12 @@ TEST_CASE("bash completes commands, options and their values", "[cli][table]") {
   folder.write("cogrsim.bash", bash_completion(*table.app));
   const auto completed = [&](const std::string& words, int word) {
     const std::string out = folder / "out";
-    const std::string command = "bash --norc -c 'source " + (folder / "cogrsim.bash") +
-                                " && COMP_WORDS=(cogrsim " + words +
-                                ") && COMP_CWORD=" + std::to_string(word) +
-                                " && _cogrsim && echo ${COMPREPLY[*]}' > " + out;
+    const std::string command =
+        "bash --norc -c 'cogrsim() { printf \"backend %s 1.0, by x\\n\" bullet cogrsim ode; "
+        "echo \"controller box 1.0\"; }; source " +
+        (folder / "cogrsim.bash") + " && COMP_WORDS=(cogrsim " + words +
+        ") && COMP_CWORD=" + std::to_string(word) + " && _cogrsim && echo ${COMPREPLY[*]}' > " +
+        out;
     REQUIRE(std::system(command.c_str()) == 0);
     std::string text = read(out);
     text.pop_back();
@@ -206,4 +208,9 @@ TEST_CASE("bash completes commands, options and their values", "[cli][table]") {
   CHECK(completed("run --speed 1", 3) == "");
   CHECK(completed("help ren", 2) == "render");
   CHECK(completed("completion b", 2) == "bash");
+  CHECK(completed("run --backend b", 3) == "bullet");
+  CHECK(completed("run -b o", 3) == "ode");
+  CHECK(completed("compare --backends \"\"", 3) == "bullet cogrsim ode");
+  CHECK(completed("compare --backends bullet,", 3) == "bullet,cogrsim bullet,ode");
+  CHECK(completed("test --backends ode,bullet,c", 3) == "ode,bullet,cogrsim");
 }

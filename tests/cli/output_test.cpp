@@ -36,15 +36,23 @@ struct Inputs {
   TemporaryFolder folder;
   std::string scene = folder / "a.scene.xml", recorded = folder / "b.scene.xml",
               run = folder / "run.mcap", figure = folder / "figure.json", snap = folder / "a.snap",
-              package = folder / "a-1.0.0.cogrsim.zip", robot = folder / "a.urdf";
+              package = folder / "a-1.0.0.cogrsim.zip", robot = folder / "a.urdf",
+              sizes = folder / "sizes.yaml", mesh = folder / "m/part.obj";
 
   Inputs() {
     std::string text = read_file(kFlight);
+    text.insert(text.find('>', text.find("<scene")) + 1, "\n  <import href=\"a.urdf\"/>");
+    text.insert(text.rfind("</scene>"), "<instance of=\"A\" xyz=\"50 50 50\"/>\n");
     text.insert(text.rfind("</scene>"), R"(<plot name="path" y="ball.z"/>
   <test name="fails"><always that="ball.z gt 100 m"/></test>
 )");
     put(scene, text);
-    put(robot, R"(<robot name="a"><link name="base"/></robot>)");
+    put(sizes, "mass: 2\n");
+    fs::create_directory(folder / "m");
+    put(mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    put(robot, R"(<robot name="a" xmlns:xacro="x"><link name="base"><inertial>
+  <mass value="${xacro.load_yaml('sizes.yaml')['mass']}"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+  <collision><geometry><mesh filename="m/part.obj"/></geometry></collision></link></robot>)");
     text.insert(text.rfind("</scene>"), "<record file=\"kept.mcap\"/>\n");
     put(recorded, text);
     REQUIRE(with_toys({"run", scene, "-b", "toy", "-d", "0.1", "--record", run, "--save-at", "0.05",
@@ -57,6 +65,14 @@ struct Inputs {
   std::vector<std::pair<std::string, std::string>> by_argument() const {
     return {{"SCENE", scene}, {"RECORDED", recorded}, {"RUN", run},    {"FIGURE", figure},
             {"SNAP", snap},   {"PACKAGE", package},   {"ROBOT", robot}};
+  }
+
+  // With the files that a scene or a robot names.
+  std::vector<std::pair<std::string, std::string>> read_for_argument() const {
+    auto all = by_argument();
+    for (const char* argument : {"SCENE", "RECORDED", "ROBOT"})
+      for (const std::string& file : {robot, sizes, mesh}) all.emplace_back(argument, file);
+    return all;
   }
 };
 
@@ -106,6 +122,7 @@ const std::vector<Case>& cases() {
       {"-o,--output", ".gif", {"map", "RUN", "--every", "0.05", "-o", "OUT"}},
       {"-o,--output", ".png", {"render", "RUN", "-o", "OUT"}},
       {"-o,--output", ".html", {"bundle", "RUN", "-o", "OUT"}},
+      {"-o,--output", ".html", {"bundle", "SCENE", "-b", "toy", "-d", "0.1", "-o", "OUT"}},
       {"-o,--output", ".zip", {"push", "SCENE", "-o", "OUT"}, "--overwrite", false},
       {"-o,--output", "/", {"push", "SCENE", "-o", "OUT"}, "--force", false},
       {"-o,--output", ".scene.xml", {"import", "ROBOT", "-o", "OUT"}},
@@ -322,9 +339,9 @@ TEST_CASE("no command replaces an input, a device, a link, a folder or a foreign
           CHECK(read_file(folder / file) != "mine\n");
         }
       }
-      for (const auto& [argument, input] : in.by_argument()) {
+      for (const auto& [argument, input] : in.read_for_argument()) {
         if (std::count(c.arguments.begin(), c.arguments.end(), argument) == 0) continue;
-        INFO("its " << argument << " in place of " << file);
+        INFO("its " << argument << " " << input << " in place of " << file);
         const TemporaryFolder folder;
         const std::string out = name_out(folder);
         fs::create_hard_link(input, folder / file);

@@ -154,6 +154,68 @@ TEST_CASE("text of plugins cannot steer the terminal", "[cli][text]") {
         "31mb");
 }
 
+TEST_CASE("names of files cannot steer the terminal", "[cli][text]") {
+  // A line of its own, a red one, one in C1, and letters from right to left.
+  const std::string evil =
+      "a\nerror: forged\033[31m\xC2\x9B"
+      "31m\xE2\x80\xAE";
+  const TemporaryFolder folder;
+  const std::string scene = folder.write(
+      evil + ".scene.xml", "<scene name=\"s\" version=\"1\"><box size=\"1\"/></scene>");
+  const std::string robot = folder.write(
+      evil + ".urdf", "<robot name=\"r\"><link name=\"l\"><mass/><inertial/></link></robot>");
+  const std::string good =
+      folder.write(evil + "_good.scene.xml",
+                   "<scene name=\"s\" version=\"1\"><physics backend=\"toy\" duration=\"10 ms\"/>"
+                   "<box size=\"1 1 1\"/></scene>");
+  const std::string importing = folder.write(
+      "importing.scene.xml",
+      "<scene name=\"s\" version=\"1\"><import href=\"\xE2\x80\xAE\xC2\x9B.urdf\"/></scene>");
+  folder.write("\xE2\x80\xAE\xC2\x9B.urdf", "<robot name=\"r\"><link/><joint/></robot>");
+  const std::string table = folder.write(evil + ".csv", "a,b\n1\n");
+  const std::string run = folder / (evil + ".mcap");
+  const std::vector<std::vector<std::string>> commands = {
+      {"check", scene},
+      {"check", good},
+      {"check", importing},
+      {"check", folder / (evil + "_none.scene.xml")},
+      {"run", scene},
+      {"run", importing},
+      {"run", good, "--record", run},
+      {"info", run},
+      {"replay", run},
+      {"render", run, "-o", folder / (evil + ".png")},
+      {"map", run, "-o", folder / (evil + ".svg")},
+      {"compare", scene, "-b", "toy,toy_euler"},
+      {"compare", good, "-b", "toy,toy_euler", "--report", folder / (evil + ".html")},
+      {"test", scene},
+      {"test", good},
+      {"sweep", good, "--seeds", "1", "--backends", "toy", "-o", folder / (evil + "_out")},
+      {"plot", table, "--kind", "histogram", "--x", "a", "-o", folder / "f.json"},
+      {"bundle", good, "-o", folder / (evil + ".html")},
+      {"bundle", scene, "-o", folder / "b.html"},
+      {"import", robot, "-o", folder / (evil + "_robot.scene.xml")},
+      {"import", scene},
+      {"export", good, "-o", folder / (evil + "_out.urdf")},
+      {"export", scene, "-o", folder / "e.urdf"},
+      {"plugins", "--plugin-path", folder / evil},
+  };
+  const std::set<std::string> there = listed_commands();
+  for (std::vector<std::string> command : commands) {
+    if (there.count(command[0]) == 0) continue;
+    INFO(command[0] << " " << command[1]);
+    if (command[0] != "import" && command[0] != "plot" && command[0] != "map" &&
+        command[0] != "info" && command[0] != "plugins")
+      command.insert(command.end(), {"--plugin-path", COGRSIM_TOYS});
+    const Outcome outcome = cogrsim_run(command);
+    for (const std::string& text : {outcome.out, outcome.err}) {
+      INFO(text);
+      CHECK(printable(text) == text);
+      CHECK(("\n" + text).find("\nerror: forged") == std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("notes do not crowd out the errors of a run", "[cli][text]") {
   std::vector<RunMessage> messages(100);
   for (std::size_t i = 0; i < messages.size(); ++i) {

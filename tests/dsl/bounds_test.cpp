@@ -4,10 +4,6 @@
 // COGRSIM_COSTS_OF="lidar" in the environment shows the costs of those with that word, "" of all.
 #include <catch2/catch.hpp>
 
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "../support/sanitizers.h"
+#include "../support/cost.h"
 #include "../support/temporary_folder.h"
 #include "cogrsim/dsl/compiler.h"
 #include "fake_catalog.h"
@@ -29,69 +25,19 @@ using namespace cogrsim::dsl;
 namespace {
 
 constexpr std::size_t kFileBytes = 100'000;
-// Sanitizers add their own memory to every object, and their own work to every access.
-constexpr double kFactor = cogrsim::test::kSanitized ? 8.0 : 1.0;
-constexpr double kMostMegabytes = 500 * kFactor;
-// Twice the documented bounds: processor time grows where other programs share the caches.
-constexpr double kMostSeconds = 10 * kFactor;
-
-struct Cost {
-  double megabytes = 0.0, seconds = 0.0;  ///< peak of resident memory, processor time
-  int status = -1;                        ///< of the child; 0: it compiled or was refused
-};
-
-/// Compiles in a separate process, which the system ends if it far exceeds the bounds.
-Cost cost_of(const std::string& text, const std::string& name) {
-  std::fflush(stdout);
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    const auto bound = [](int what, double value) {
-      const rlimit limit{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
-      ::setrlimit(static_cast<__rlimit_resource>(what), &limit);
-    };
-    bound(RLIMIT_CPU, 4 * kMostSeconds);
-    if (!cogrsim::test::kSanitized) bound(RLIMIT_AS, 4e6 * kMostMegabytes);
-    bound(RLIMIT_CORE, 0);
-    try {
-      dsl_test::FakeCatalog catalog;
-      CompileOptions options;
-      options.plugins = &catalog;
-      const CompileResult result = compile_text(text, name, options);
-      if (std::getenv("COGRSIM_COSTS_OF") != nullptr) {
-        std::printf("%-8s ", result.diagnostics.empty() ? "" : result.diagnostics[0].code.c_str());
-        std::fflush(stdout);
-      }
-      ::_exit(result.ok() || !result.diagnostics.empty() ? 0 : 1);
-    } catch (...) {  // the test's own handlers are those of the parent
-      ::_exit(2);
-    }
-  }
-  Cost cost;
-  rusage used{};
-  REQUIRE(::wait4(child, &cost.status, 0, &used) == child);
-  cost.megabytes = static_cast<double>(used.ru_maxrss) / 1e3;
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  cost.seconds = seconds(used.ru_utime) + seconds(used.ru_stime);
-  return cost;
-}
 
 void check_cost(const std::string& construct, const std::string& text,
                 const std::string& name = "bounds.scene.xml") {
-  const char* of = std::getenv("COGRSIM_COSTS_OF");
-  if (of != nullptr && construct.find(of) == std::string::npos) return;
-  const Cost cost = cost_of(text, name);
-  if (of != nullptr)
-    std::printf("%6.0f MB %6.2f s  status %d  %s\n", cost.megabytes, cost.seconds, cost.status,
-                construct.c_str());
-  INFO(construct << ": " << cost.megabytes << " MB, " << cost.seconds << " s, status "
-                 << cost.status);
   CHECK(text.size() < kFileBytes + 2000);
-  CHECK(cost.status == 0);
-  CHECK(cost.megabytes < kMostMegabytes);
-  CHECK(cost.seconds < kMostSeconds);
+  cogrsim::test::check_cost(construct, [&] {
+    dsl_test::FakeCatalog catalog;
+    CompileOptions options;
+    options.plugins = &catalog;
+    const CompileResult result = compile_text(text, name, options);
+    if (std::getenv("COGRSIM_COSTS_OF") != nullptr)
+      std::printf("%-8s ", result.diagnostics.empty() ? "" : result.diagnostics[0].code.c_str());
+    return result.ok() || !result.diagnostics.empty();
+  });
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -568,8 +514,7 @@ TEST_CASE("scenes that multiply elements are bounded", "[bounds]") {
       {"names that are not there", repeat(60000, "<frame name=\"f${i}\"/>") +
                                        repeat(60000, "<pose name=\"p${i}\" on=\"g${i}\"/>")},
       {"unknown elements", filled("<a/>")},
-      {"unknown attributes",
-       filled("<frame name=\"f@\" " + filled("a@=\"1\" ", 3'000) + "/>")},
+      {"unknown attributes", filled("<frame name=\"f@\" " + filled("a@=\"1\" ", 3'000) + "/>")},
       {"comments", filled("<!-- -->")},
       {"instructions", filled("<?a b?>")},
       {"sections", filled("<![CDATA[a]]>")},

@@ -34,6 +34,24 @@ TEST_CASE("a beginner's scene becomes the model it describes", "[dsl][build]") {
   CHECK(ball.inertia(2, 2) == Approx(0.4 * mass * 0.01).epsilon(1e-14));
 }
 
+TEST_CASE("materials and shapes say how a pair combines", "[dsl][build]") {
+  const auto model = compile_scene(R"(
+    <material name="felt" friction="0.4" friction-combine="min" restitution="0.5" restitution-combine="average"/>
+    <plane name="floor" friction="0.9" restitution="0.1"/>
+    <sphere name="ball" radius="10 cm" material="felt" xyz="0 0 1"/>
+    <sphere name="odd" radius="10 cm" material="felt" friction-combine="max" xyz="1 0 1"/>)");
+  const auto pair = [&](const char* with) {
+    const auto material = [&](const char* name) {
+      return body(*model, name).shapes.at(0).material;
+    };
+    return surface_pair(*model, material("floor"), material(with));
+  };
+  CHECK(pair("ball").friction == 0.4);
+  CHECK(pair("ball").restitution == Approx(0.3));
+  CHECK(pair("odd").friction == 0.9);
+  CHECK(pair("odd").restitution == Approx(0.3));
+}
+
 TEST_CASE("friction against rolling and spinning, and surfaces that move", "[dsl][build]") {
   const auto model = compile_scene(R"(
     <material name="felt" rolling-friction="2 mm" spinning-friction="5 mm"/> <material name="ice"/>

@@ -8,6 +8,7 @@
 #include "values/value.h"
 
 using namespace cogrsim::dsl;
+using cogrsim::units::combined_unit;
 
 namespace {
 
@@ -55,6 +56,26 @@ TEST_CASE("numbers are read strictly and whatever the locale", "[units]") {
   CHECK(number_text(-3e6) == "-3000000");
   CHECK(number_text(1e20) == "1e+20");
   std::setlocale(LC_NUMERIC, before.c_str());
+}
+
+TEST_CASE("products and quotients have the usual unit of their dimension", "[units]") {
+  CHECK(combined_unit("m/s", '*', "s") == "m");
+  CHECK(combined_unit("rad/s", '*', "s") == "rad");
+  CHECK(combined_unit("m/s^2", '*', "s") == "m/s");
+  CHECK(combined_unit("m", '*', "m") == "m^2");
+  CHECK(combined_unit("m", '/', "m/s") == "s");
+  CHECK(combined_unit("rad", '/', "s") == "rad/s");
+  CHECK(combined_unit("N", '*', "m") == "N*m");
+  CHECK(combined_unit("N", '*', "m/s") == "W");
+  CHECK(combined_unit("N", '*', "s") == "N*s");
+  CHECK(combined_unit("m", '*', "s") == "m*s");
+  CHECK(combined_unit("W", '/', "m^3") == "W/(m^3)");
+  CHECK(combined_unit("m", '/', "m") == "1");
+  CHECK(combined_unit("1", '*', "s") == "s");
+  CHECK(combined_unit("m", '*', "1") == "m");
+  CHECK(combined_unit("1", '/', "s") == "Hz");
+  CHECK(combined_unit("", '*', "s") == "");
+  CHECK(combined_unit("counts", '*', "s") == "counts*s");
 }
 
 TEST_CASE("units compose and keep their last bit", "[units]") {

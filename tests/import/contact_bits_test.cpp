@@ -82,7 +82,7 @@ TEST_CASE("pairs of geoms touch whatever their bits", "[mjcf][contact]") {
               ball("a", geom(none, "ga"), 0) + ball("b", geom(none, "gb"), 1) +
               ball("c", geom(none, "gc"), 2) +
               R"(</worldbody><contact><pair geom1="ga" geom2="floor"/>
-      <pair geom1="gb" geom2="ga" friction="1 1 0.1 0.1 0.1"/><pair geom1="ga" geom2="nowhere"/></contact></mujoco>)",
+      <pair geom1="gb" geom2="ga" friction="1 0.9 0.1 0.1 0.1"/><pair geom1="ga" geom2="nowhere"/></contact></mujoco>)",
           "m.xml");
   REQUIRE(in.model);
   CHECK(in.body("a").shapes.at(0).collides);
@@ -90,7 +90,7 @@ TEST_CASE("pairs of geoms touch whatever their bits", "[mjcf][contact]") {
   CHECK(!in.body("c").shapes.at(0).collides);
   CHECK(separated(*in.model) == Pairs{{"b", "world_link"}});
   CHECK(in.reports(kExact, "contact of 'ga' and 'floor'"));
-  CHECK(in.reports(kApproximate, "contact of 'gb' and 'ga'", "friction of the two shapes"));
+  CHECK(in.reports(kApproximate, "contact of 'gb' and 'ga'", "the first of two frictions"));
   CHECK(in.reports(kLeftOut, "contact of 'ga' and 'nowhere'", "no geom 'nowhere'"));
 }
 
@@ -122,4 +122,22 @@ TEST_CASE("the bits of thousands of bodies are decided in bounded space", "[mjcf
       in.options);
   CHECK(in.result.scene.find("<collide") == std::string::npos);
   CHECK(in.reports(kApproximate, "contype and conaffinity", "more than 1000 pairs"));
+}
+
+TEST_CASE("a base that MuJoCo lets touch its first link is reported", "[mjcf][contact]") {
+  const auto read = [](const std::string& rest) {
+    Imported in;
+    in.read(
+        R"(<mujoco><worldbody><body name="base"><geom size="0.1"/><body name="arm"><joint name="j"/>
+      <geom size="0.1" pos="1 0 0"/><body name="hand"><joint/><geom size="0.1" pos="2 0 0"/></body></body></body>
+      </worldbody>)" +
+            rest + "</mujoco>",
+        "m.xml");
+    REQUIRE(in.model);
+    return std::count_if(in.result.entries.begin(), in.result.entries.end(), [](const auto& e) {
+      return e.fidelity == kApproximate && e.element.find("contact of ") == 0;
+    });
+  };
+  CHECK(read("") == 1);
+  CHECK(read(R"(<contact><exclude body1="base" body2="arm"/></contact>)") == 0);
 }

@@ -9,14 +9,14 @@ using namespace cogrsim::test;
 
 namespace {
 
-constexpr const char* kModel =
+constexpr const char* kHead =
     "<mujoco model=\"m\"><compiler angle=\"degree\"/>"
     "<default><default class=\"light\"><geom density=\"100\"/></default></default><worldbody>";
 
 /// The scene of a model, without its first lines, which name the source.
 std::string scene_of(const std::string& world, const std::string& rest = {}) {
   Imported in;
-  in.read(kModel + world + "</worldbody>" + rest + "</mujoco>", "m.xml");
+  in.read(kHead + world + "</worldbody>" + rest + "</mujoco>", "m.xml");
   REQUIRE(in.model);
   return in.result.scene;
 }
@@ -78,7 +78,7 @@ TEST_CASE("what is in a frame of MJCF is where its pose puts it", "[mjcf][frames
 TEST_CASE("a replicate of MJCF has copies along its path, with what refers to them",
           "[mjcf][frames]") {
   Imported in;
-  in.read(std::string(kModel) + R"(
+  in.read(std::string(kHead) + R"(
     <replicate count="4" offset="1 0 0" euler="0 0 90" sep="-">
       <body name="leg" pos="0 0 1">
         <joint name="hip" axis="1 0 0"/>
@@ -106,7 +106,7 @@ TEST_CASE("a replicate of MJCF has copies along its path, with what refers to th
 TEST_CASE("replicates in replicates have both suffixes, with as many digits as the count",
           "[mjcf][frames]") {
   Imported in;
-  in.read(std::string(kModel) + R"(
+  in.read(std::string(kHead) + R"(
     <replicate count="10" offset="0 1 0" sep="_">
       <replicate count="2" offset="1 0 0" sep="_">
         <body name="b"><freejoint/><geom size="0.1"/></body>
@@ -121,7 +121,7 @@ TEST_CASE("replicates in replicates have both suffixes, with as many digits as t
 TEST_CASE("a replicate without end is refused", "[mjcf][frames]") {
   Imported in;
   const auto with = [&](const std::string& attributes, const std::string& inside) {
-    in.read(std::string(kModel) + "\n<replicate " + attributes + ">" + inside +
+    in.read(std::string(kHead) + "\n<replicate " + attributes + ">" + inside +
                 "</replicate></worldbody></mujoco>",
             "m.xml");
   };
@@ -143,12 +143,14 @@ TEST_CASE("settings that scenes do not have are reported once for each kind", "[
   in.read(R"(<mujoco><compiler settotalmass="6" boundmass="1"/>
     <default><geom solref="0.01 1"/></default>
     <worldbody><body><freejoint/><geom size="0.1" mass="2" solimp="0.9 0.95 0.001" margin="0"/></body>
-    <body><freejoint/><geom size="0.1" mass="0.1" solref="0.02 1"/></body></worldbody></mujoco>)",
+    <body><freejoint/><geom size="0.1" mass="0.1" solref="0.02 1" gap="0.1"/></body></worldbody></mujoco>)",
           "m.xml");
   REQUIRE(in.model);
-  CHECK(in.reports(kLeftOut, "solref of 2 <geom>", "rigid"));
-  CHECK(in.reports(kLeftOut, "solimp of <geom>"));
+  // The two on a floor as MuJoCo has it, on each other, and on their like.
+  CHECK(in.reports(kLeftOut, "solref of contacts", "3 of 5 kinds of pairs have another"));
+  CHECK(!in.reports(kLeftOut, "solimp"));
   CHECK(!in.reports(kLeftOut, "margin"));
+  CHECK(in.reports(kLeftOut, "gap of <geom>", "rigid"));
   CHECK(in.reports(kExact, "mass of body", "boundmass"));
   CHECK(in.reports(kExact, "settotalmass", "scaled by 2"));
   CHECK(in.model->bodies[0].mass == 4.0);

@@ -184,3 +184,102 @@ TEST_CASE("the range of a joint's actuator forces bounds its motors", "[mjcf]") 
   CHECK(in.named(in.model->joints, "odd").axes[0].max_effort == 5.0);
   CHECK(in.reports(kApproximate, "actuatorfrcrange of joint 'odd'", "both directions"));
 }
+
+TEST_CASE("a ball joint keeps its cone, and a drive the damping of its ratio", "[mjcf]") {
+  Imported in;
+  in.read(
+      R"(<mujoco><worldbody><body name="a"><joint name="socket" type="ball" range="0 60"/><geom size="0.1"/></body>
+    <body name="b"><joint name="hinge" axis="0 1 0" armature="0.5"/><geom size="0.1" mass="2" pos="0.3 0 0"/>
+      <body name="c" pos="0.3 0 0"><joint name="slide" type="slide"/><geom size="0.1" mass="3" pos="0 0 0.4"/></body></body>
+    </worldbody><actuator><position joint="hinge" kp="7" gear="2" dampratio="1.5"/></actuator></mujoco>)",
+      "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.joint("socket").axes.at(0).upper == Approx(kPi / 3.0));
+  // Two balls of the radius 0.1 m, 0.3 m and 0.5 m away.
+  const double inertia = 0.5 + 2.0 * (0.4 * 0.01 + 0.09) + 3.0 * (0.4 * 0.01 + 0.25);
+  CHECK(in.model->motors.at(0).kp == 28.0);
+  CHECK(in.model->motors.at(0).kd == Approx(2.0 * 1.5 * std::sqrt(28.0 * inertia)));
+}
+
+TEST_CASE("controls have the bounds of the source", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><compiler angle="radian"/><worldbody>
+    <body><joint name="j" axis="0 1 0" range="-2 1" ref="0.5"/><geom size="0.1"/></body>
+    <body><joint name="k" axis="0 1 0"/><geom size="0.1"/></body>
+    <body><joint name="l" axis="0 1 0"/><geom size="0.1"/></body></worldbody>
+    <actuator><position joint="j" kp="7" inheritrange="0.5"/><motor joint="k" ctrlrange="0 3" gear="2"/>
+    <position joint="l" gear="-2" ctrlrange="1 3" forcerange="-1 4"/></actuator></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  const auto& motors = in.model->motors;
+  REQUIRE(motors.size() == 3);
+  // Half of -2 to 1 about its middle, less ref.
+  CHECK(motors[0].min_target == Approx(-1.25 - 0.5));
+  CHECK(motors[0].max_target == Approx(0.25 - 0.5));
+  CHECK(motors[0].target.value() == Approx(-0.5));
+  CHECK(motors[1].max_effort == 6.0);
+  CHECK(motors[1].min_target == 0.0);
+  CHECK(motors[2].min_target == -1.5);
+  CHECK(motors[2].max_target == -0.5);
+  CHECK(motors[2].target.value() == -0.5);
+  CHECK(in.reports(kApproximate, "forcerange", "both directions by 4"));
+}
+
+TEST_CASE("sensors of frames are poses of sites and bodies", "[mjcf]") {
+  Imported in;
+  in.read(
+      R"(<mujoco><worldbody><body name="b" pos="0 0 1"><freejoint/><geom size="0.1" pos="0.1 0 0"/>
+    <site name="tip" pos="0 0.2 0"/></body></worldbody><sensor>
+    <framequat name="turn" objtype="site" objname="tip"/><velocimeter name="speed" site="tip"/>
+    <framepos name="centre" objtype="body" objname="b"/><framepos name="origin" objtype="xbody" objname="b"/>
+    <framequat name="axes" objtype="body" objname="b"/>
+    <framepos name="from" objtype="site" objname="tip" reftype="body" refname="b"/></sensor></mujoco>)",
+      "m.xml");
+  REQUIRE(in.model);
+  REQUIRE(in.model->sensors.size() == 3);
+  const auto at = [&](const char* name) { return in.named(in.model->sensors, name).X_BS.p; };
+  CHECK((at("turn") - Vec3(0, 0.2, 0)).norm() < 1e-12);
+  CHECK((at("centre") - Vec3(0.1, 0, 0)).norm() < 1e-12);
+  CHECK(at("origin").norm() < 1e-12);
+  CHECK(in.reports(kApproximate, "velocimeter 'speed'", "the pose at its place reads both"));
+  CHECK(in.reports(kLeftOut, "framequat 'axes'", "principal axes"));
+  CHECK(in.reports(kLeftOut, "framepos 'from'", "relative to another frame"));
+}
+
+TEST_CASE("what is said of MuJoCo's contacts and solver is said to that engine", "[mjcf]") {
+  Imported in;
+  in.read(R"(<mujoco><option cone="elliptic" impratio="10" timestep="0.001"/>
+    <default><geom solref="0.01 1" margin="0.002"/></default><worldbody><geom type="plane" size="1 1 1" margin="0"/>
+    <body><freejoint/><geom size="0.1"/></body>
+    <body pos="1 0 0"><freejoint/><geom size="0.1" priority="1" solimp="0.5 1 0.01"/></body>
+    <body pos="2 0 0"><joint name="j" range="-1 1" solreflimit="0.03 1" frictionloss="1"/><geom size="0.1"/></body>
+    </worldbody></mujoco>)",
+          "m.xml");
+  REQUIRE(in.model);
+  CHECK(in.result.scene.find("<physics step=\"0.001 s\">\n    <mujoco cone=\"elliptic\" "
+                             "impratio=\"10\" solref=\"0.01 1\" solimp=\"0.5 1 0.01 0.5 2\" "
+                             "margin=\"0.002\" solreflimit=\"0.03 1\"/>") != std::string::npos);
+  CHECK(in.reports(kExact, "solref of contacts", "0.01 1 on the engine MuJoCo"));
+  CHECK(in.reports(kLeftOut, "solimp of contacts", "kinds of pairs have another"));
+  CHECK(in.reports(kExact, "option cone", "elliptic"));
+}
+
+TEST_CASE("what stands around a robot is no part of it", "[mjcf][sdf]") {
+  Imported in;
+  in.read(R"(<mujoco model="bot"><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+    <site name="hook" pos="0 0 3"/><body name="table" pos="2 0 0"><geom type="box" size="1 1 1"/></body>
+    <body name="base" pos="0 0 1"><geom size="0.1"/><body name="arm"><joint name="j"/><geom size="0.1" pos="1 0 0"/>
+    <site name="eye"/></body></body></worldbody>
+    <tendon><spatial stiffness="5"><site site="hook"/><site site="eye"/></spatial></tendon>
+    <contact><exclude body1="arm" body2="table"/></contact></mujoco>)",
+          "bot.xml");
+  REQUIRE(in.model);
+  CHECK(in.reports(kExact, "what stands around the robot"));
+  const auto has = [&](const std::string& name) { return find_body(*in.model, name) >= 0; };
+  CHECK(has("bot_scenery.world_link"));
+  CHECK(has("bot_scenery.table"));
+  CHECK(has("bot.base"));
+  CHECK(has("bot.arm"));
+  CHECK(in.model->no_collide.size() == 1);
+  CHECK(in.model->forces.size() == 1);
+}

@@ -153,3 +153,41 @@ TEST_CASE("a mesh of points is their hull", "[scene]") {
   CHECK_FALSE(compiled("<mesh points=\"0 0 0 1 0 0 0 1 0 0 0 1\"/>").ok());
   CHECK_FALSE(compiled("<mesh convex=\"true\"/>").ok());
 }
+
+TEST_CASE("a robot of MJCF stands in a scene of others", "[scene][mjcf]") {
+  TemporaryFolder folder;
+  folder.write("bot.xml",
+               R"(<mujoco model="bot"><worldbody><geom type="plane" size="1 1 1" friction="0.7"/>
+    <body name="foot" pos="0 0 1"><freejoint/><geom size="0.1" friction="0.2" priority="1"/></body>
+    <body name="hand" pos="1 0 1"><freejoint/><geom size="0.1" friction="0.6"/></body></worldbody></mujoco>)");
+  const auto compiled = [&](const std::string& prefix, const std::string& more) {
+    const std::string as = prefix.empty() ? "" : " as=\"" + prefix + "\"";
+    const std::string of = prefix.empty() ? "Bot" : prefix + ".Bot";
+    const dsl::CompileResult result =
+        dsl::compile_text("<scene version=\"1\"><import href=\"bot.xml\"" + as +
+                              "/><plane name=\"floor\" friction=\"0.4\"/><instance of=\"" + of +
+                              "\" name=\"one\" xyz=\"5 0 0\"/>" + more + "</scene>",
+                          folder / "scene.scene.xml");
+    INFO(dsl::to_text(result.diagnostics));
+    REQUIRE(result.ok());
+    return result.model;
+  };
+  const auto friction = [](const SceneModel& model, const std::string& a, const std::string& b) {
+    const auto material = [&](const std::string& name) {
+      return model.bodies[std::size_t(find_body(model, name))].shapes.at(0).material;
+    };
+    return surface_pair(model, material(a), material(b)).friction;
+  };
+  const std::string prefix = GENERATE("", "parts");
+  const SceneModelPtr alone = compiled(prefix, "");
+  CHECK(alone->bodies.size() == 3);
+  CHECK(friction(*alone, "one.hand", "floor") == 0.6);  // the larger one holds
+  CHECK(friction(*alone, "one.foot", "one.hand") == 0.2);
+  const SceneModelPtr both =
+      compiled(prefix, "<instance of=\"" + (prefix.empty() ? "" : prefix + ".") +
+                           "Bot_scenery\" name=\"hall\" xyz=\"0 0 -1\"/>");
+  CHECK(both->bodies.size() == 4);
+  CHECK(both->bodies[std::size_t(find_body(*both, "hall.world_link"))].X_WB.p == Vec3(0, 0, -1));
+  CHECK(friction(*both, "one.foot", "hall.world_link") == 0.2);
+  CHECK(friction(*both, "one.hand", "hall.world_link") == 0.7);
+}

@@ -129,3 +129,32 @@ TEST_CASE("frictions and bounce go out and come back, or are reported", "[export
   CHECK(std::abs(m.spinning_friction - 0.02) < 1e-15);
   CHECK(m.restitution == (mjcf ? 0.0 : 0.4));
 }
+
+TEST_CASE("the rule of a source goes out and comes back, or is reported", "[export]") {
+  const auto exported = [](const char* scene, dsl::ExportFormat format) {
+    const dsl::CompileResult compiled = dsl::compile_text(scene, "s.scene.xml");
+    INFO(dsl::to_text(compiled.diagnostics));
+    REQUIRE(compiled.ok());
+    dsl::ExportOptions options;
+    options.format = format;
+    const auto out = dsl::export_model(*compiled.model, options);
+    REQUIRE(out);
+    std::string lost;
+    for (const dsl::ImportEntry& e : out->entries)
+      if (e.element == "friction of pairs") lost = e.message;
+    return lost;
+  };
+  const char* const mixed = R"(<scene name="s" version="1"><material name="ice" friction="0.1"/>
+      <plane name="floor" material="ice"/><box name="b" size="1 1 1" friction="0.9" xyz="0 0 1"/></scene>)";
+  const char* const larger = R"(<scene name="s" version="1">
+      <material name="ice" friction="0.1" friction-combine="max"/>
+      <plane name="floor" material="ice"/><box name="b" size="1 1 1" friction="0.9" xyz="0 0 1"/></scene>)";
+  CHECK(exported(mixed, dsl::ExportFormat::mjcf) ==
+        "MuJoCo takes the larger of two: a pair of materials differ; 'ice' and friction 0.9 have "
+        "0.3 here, 0.9 there");
+  CHECK(exported(mixed, dsl::ExportFormat::sdf).find("have 0.3 here, 0.1 there") !=
+        std::string::npos);
+  CHECK(exported(larger, dsl::ExportFormat::mjcf).empty());
+  CHECK(exported(larger, dsl::ExportFormat::sdf).find("have 0.9 here, 0.1 there") !=
+        std::string::npos);
+}

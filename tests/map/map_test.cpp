@@ -14,6 +14,7 @@
 #include "cogrsim/model/builder.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/rendering/renderer.h"
+#include "cogrsim/sensing/sensor_rays.h"
 
 using namespace cogrsim;
 
@@ -212,6 +213,64 @@ TEST_CASE("a trail is dashed, with gaps where there is no point", "[map]") {
   // Seven pixels on, four off.
   CHECK(on / static_cast<double>(on + off) == Approx(7.0 / 11.0).margin(0.1));
   CHECK(in_the_gap == 0);
+}
+
+TEST_CASE("the fan of a lidar lies where it measured, and over no wall that it met", "[map]") {
+  ModelBuilder builder;
+  const int red = color(builder, "red", 1, 0, 0);
+  const int body = builder.box("robot", {0.1, 0.1, 0.1}, 1.0, {{0, 0, 0.05}, Quat(1, 0, 0, 0)});
+  builder.box("wall", {0.2, 4, 0.4}, 0.0, {{1.1, 0, 0.2}, Quat(1, 0, 0, 0)}, red);
+  builder.box("step", {0.2, 0.2, 0.1}, 0.0, {{0.6, 0, 0.05}, Quat(1, 0, 0, 0)}, red);
+  SensorModel lidar;
+  lidar.name = lidar.type = "lidar";
+  lidar.body = body;
+  lidar.X_BS = {{0, 0, 0.1}, Quat(1, 0, 0, 0)};
+  constexpr int kRays = 3;
+  lidar.parameters["rays"] = std::int64_t{kRays};
+  lidar.parameters["fov"] = 1.0;
+  builder.model.sensors.push_back(lidar);
+  Frame frame = frame_of(builder.build());
+  // It measured the wall, 1 m in front of it, and has turned and moved on since.
+  Reading reading;
+  reading.sensor = 0;
+  reading.sequence = 1;
+  reading.valid = true;
+  reading.values = {1.0 / std::cos(0.5), 1.0, 1.0 / std::cos(0.5)};
+  reading.pose = Pose({0, 0, 0.15}, Quat(1, 0, 0, 0));
+  frame.readings = {reading};
+  frame.state.poses[body] = {{-0.3, -0.9, 0.05}, turned(0.4, {0, 0, 1})};
+  MapOptions options;
+  options.width = 800;
+  options.names = options.grid = false;
+  options.area = MapArea{-2, -2, 2, 2};
+  options.rays = sensor_rays(frame);
+  REQUIRE(options.rays.size() == kRays);
+  const auto bytes = map_picture(frame, options, ".png");
+  REQUIRE(bytes);
+  const auto image = decode_image(*bytes);
+  REQUIRE(image);
+  const auto at = [&](double x, double y) {
+    return image->pixel(static_cast<int>((x + 2.0) * 200.0), static_cast<int>((2.0 - y) * 200.0));
+  };
+  const auto fan = [&](double x, double y) { return at(x, y)[2] > at(x, y)[0] + 20; };
+  for (const double x : {0.1, 0.4, 0.9}) {
+    const double edge = x * std::tan(0.5);
+    CHECK(fan(x, 0.8 * edge));
+    CHECK(fan(x, -0.8 * edge));
+    CHECK_FALSE(fan(x, 1.2 * edge));
+    CHECK_FALSE(fan(x, -1.2 * edge));
+  }
+  CHECK_FALSE(fan(-0.3, -0.8));
+  // Nothing of it in the wall; the step, which is lower than the lidar, is seen through it.
+  for (double y = -0.5; y < 0.5; y += 0.1) {
+    CHECK(at(1.1, y)[0] == 255);
+    CHECK(at(1.1, y)[2] == 0);
+  }
+  CHECK(at(0.6, 0.0)[0] > 150);
+  CHECK(at(0.6, 0.0)[2] > 20);
+  // The points that were hit are dark.
+  CHECK(at(1.0, 0.0)[2] > 60);
+  CHECK(at(1.0, 0.0)[0] < 150);
 }
 
 TEST_CASE("SVG and PDF files are valid", "[map]") {

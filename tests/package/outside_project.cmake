@@ -36,8 +36,13 @@ endforeach()
 file(COPY "${SOURCE_DIR}/examples/020_stand_alone_plugin/" DESTINATION "${WORK_DIR}/project")
 run("configure" ${CMAKE_COMMAND} -S "${WORK_DIR}/project" -B "${WORK_DIR}/project/build"
   -G "${GENERATOR}" -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM} -DCMAKE_CXX_COMPILER=${COMPILER}
-  "-DCMAKE_CXX_FLAGS=${flags}" -DCMAKE_PREFIX_PATH=${prefix})
+  "-DCMAKE_CXX_FLAGS=${flags}" -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
 run("build" ${CMAKE_COMMAND} --build "${WORK_DIR}/project/build")
+# No build type was given: the plugin is optimised nevertheless.
+file(READ "${WORK_DIR}/project/build/compile_commands.json" commands)
+if(NOT commands MATCHES "-O2[^\n]*slalom[.]cpp")
+  message(SEND_ERROR "the plugin of a project without a build type is not optimised:\n${commands}")
+endif()
 
 find_program(CTEST ctest REQUIRED)
 run("ctest of the project" ${CTEST} --test-dir "${WORK_DIR}/project/build" --output-on-failure)

@@ -105,6 +105,63 @@ class Socket(unittest.TestCase):
         self.check_client(["octave-cli", str(EXAMPLE / "client.m"), "127.0.0.1", port],
                           CONNECT.replace("unix:run.sock", "tcp:127.0.0.1:" + port))
 
+    def check_comparison(self, client):
+        path = self.scene(CONNECT)
+        other = subprocess.Popen(client, cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        run = subprocess.run([PROGRAM, "compare", str(path), "--backends", "cogrsim,bullet,ode", "--json", "-"],
+                             capture_output=True, text=True, cwd=self.folder, timeout=300)
+        printed, _ = other.communicate(timeout=60)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(other.returncode, 0)
+        for backend in ("cogrsim", "bullet", "ode"):
+            self.assertIn("controls robot on " + backend, printed)
+        for entry in json.loads(run.stdout)["joints"]:
+            # All hold the goal: the steady error of the law, g m l / 8, is the same everywhere.
+            self.assertLess(entry["angle"]["end"], 1e-3, entry["other"])
+
+    def test_one_client_for_all_engines_of_a_comparison(self):
+        self.check_comparison([sys.executable, "-u", str(EXAMPLE / "client.py")])
+
+    @unittest.skipUnless(shutil.which("node"), "no node")
+    def test_one_client_in_javascript_for_a_comparison(self):
+        self.check_comparison(["node", str(EXAMPLE / "client.mjs")])
+
+    def test_one_client_for_engines_one_after_the_other(self):
+        path = self.scene(CONNECT)
+        text = path.read_text(encoding="utf-8").replace(
+            "</scene>", '<test name="holds"><expect that="robot.pivot.position" above="0.3 rad"/></test></scene>')
+        path.write_text(text, encoding="utf-8")
+        other = subprocess.Popen([sys.executable, str(EXAMPLE / "client.py")], cwd=self.folder,
+                                 stdout=subprocess.DEVNULL)
+        run = subprocess.run([PROGRAM, "test", str(path), "--backends", "cogrsim,ode", "--jobs", "1"],
+                             capture_output=True, text=True, cwd=self.folder, timeout=300)
+        self.assertEqual(other.wait(60), 0)
+        self.assertIn("2 passed", run.stdout, run.stderr)
+
+    def test_hello_describes_run_and_limits(self):
+        path = self.scene(CONNECT)
+        text = path.read_text(encoding="utf-8")
+        text = text.replace('<assembly name="robot"', '<param name="lift" type="length" default="1 m"/>\n'
+                                                      '<assembly name="robot"', 1)
+        text = text.replace('axis="0 -1 0"/>', 'axis="0 -1 0" lower="-1 rad" upper="2 rad" max-speed="7 rad/s"/>'
+                                               '<encoder name="angle" joint="pivot"/>')
+        hello = {}
+
+        def act(link):
+            link.sendall(message({"type": "hello", "protocol": 1}))
+            size = struct.unpack(">I", link.recv(4))[0]
+            hello.update(json.loads(link.recv(size)))
+        self.scene = lambda _: path
+        path.write_text(text, encoding="utf-8")
+        self.run_scene("", self.client(act), arguments=["--seed", "9007199254740993", "--set", "lift=40 cm",
+                                                               "--backend", "ode"])
+        self.assertEqual({key: hello[key] for key in ("protocol", "robot", "backend", "seed", "set")},
+                         {"protocol": 1, "robot": "robot", "backend": "ode", "seed": 9007199254740993,
+                          "set": {"lift": "40 cm"}})
+        self.assertEqual(hello["motors"], [{"name": "torque", "mode": "torque", "lower": -1, "upper": 2,
+                                            "max_speed": 7, "max_effort": 2}])
+        self.assertEqual(hello["sensors"], [{"name": "angle", "type": "encoder"}])
+
     # ---- clients that misbehave
 
     def client(self, act):
@@ -160,7 +217,8 @@ class Socket(unittest.TestCase):
         hello = message({"type": "hello", "protocol": 1})
         for bad, text in ((b"\xff\xff\xff\xff", "announced a message"),
                           (message(b"no json"), "no JSON object"),
-                          (message(b"[" * 100000), "no JSON object"),
+                          (message(b"[" * 100000), "nested deeper than 64"),
+                          (message(b"[" + b"[]," * 300000 + b"0]"), "more than 200000 values"),
                           (message({"type": "update"}), "'set' was expected"),
                           (message({"type": "set", "targets": [1, 2]}), "expected 1"),
                           (message({"type": "set", "targets": {"troque": 1}}), "no motor 'troque'"),

@@ -1,6 +1,7 @@
 """Controllers, supervisors and sensors in Python."""
 
 import gc
+import subprocess
 import sys
 import unittest
 import warnings
@@ -71,6 +72,22 @@ class Boss(cg.Supervisor):
         context.publish("height", z)
         if z < self.limit:
             context.end_run("low enough")
+
+class Looker(cg.Controller):
+    """Reads by the names of C++."""
+    def configure(self, robot):
+        self.robot, self.motor, self.ticks = robot, robot.motor("turn"), robot.sensor("ticks")
+        self.eye = robot.sensor("eye")
+
+    def update(self, tick):
+        assert self.ticks.type == "encoder" and self.ticks.position == self.ticks.value(0)
+        assert self.eye.body == "ground" and self.eye.distance == self.eye.value(0)
+        caught[:] = [self.robot.seed, self.robot.backend, self.robot.set_parameters, self.motor.lower,
+                     self.motor.upper, self.motor.max_speed]
+        try:
+            self.eye.position
+        except AttributeError as error:
+            caught.append(str(error))
 
 class Height(cg.Sensor):
     parameters = [cg.parameter("offset", 0.0, "m")]
@@ -290,6 +307,33 @@ class InPython(Case):
         gc.collect()
         self.assertGreater(frames[0]["ball"].z, frames[-1]["ball"].z)
         self.assertGreater(len(frames[-1].contacts), 0)
+
+    def test_names_of_sensors_and_the_run(self):
+        text = ROBOT.replace("Turner", "Looker").replace('<set speed="90 deg/s" SETTINGS/>', "")
+        text = text.replace('<encoder name="ticks"', '<infrared name="eye" on="link" rpy="0 90 0 deg" range="0 .. 9 m"/>'
+                            '<encoder name="ticks"').replace('frame="arm"/>', 'frame="arm" lower="-2 rad" upper="1 rad"/>')
+        sim = cg.Simulation(self.compile(text, set={"height": "2 m"}), seed=77, backend="ode")
+        sim.run_until(0.05)
+        self.assertEqual(sim.messages, [])
+        caught = self.loaded().caught
+        self.assertEqual(caught[:6], [77, "ode", {"height": "2 m"}, -2.0, 1.0, 3.0])
+        self.assertIn("of type 'infrared', which has no 'position'; it has body, distance, volts", caught[6])
+
+    def test_every_fault_is_shown(self):
+        # With Python's own filters a loop would show the fault of its first engine only.
+        self.write("robot.scene.xml", ROBOT.replace("PLACE", self.module).replace("FAULT", "stop-controller")
+                   .replace("SETTINGS", ""))
+        path = self.write("run.py", f"""
+import cogrsim as cg
+for engine in ("cogrsim", "ode", "bullet"):
+    scene = cg.compile({str(self.folder / "robot.scene.xml")!r}, plugin_path=[{str(self.folder)!r}])
+    cg.Simulation(scene, backend=engine).run_until(0.4)
+""")
+        done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=True)
+        self.assertEqual(done.stderr.count("RunWarning"), 3, done.stderr)
+        strict = subprocess.run([sys.executable, "-W", "error::RuntimeWarning", str(path)], capture_output=True,
+                                text=True, check=False)
+        self.assertNotEqual(strict.returncode, 0)
 
     def test_sensor(self):
         text = YARD.replace('<encoder name="ticks"', '<sensor plugin="py:PLACE.Height" name="eye" on="link">'

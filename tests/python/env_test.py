@@ -166,6 +166,32 @@ class Vector(Case):
             with self.assertRaisesRegex((TypeError, ValueError), text):
                 env.observe_into(wrong)
 
+    def test_a_buffer_that_changed_is_not_written(self):
+        env = carts()
+        buffer = np.zeros((4, 2))
+        env.observe_into(buffer)
+        env.reset(seed=0)
+        env.step(np.ones((4, 1)))
+        kept = buffer.copy()
+        buffer.setflags(write=False)
+        for use in (lambda: env.step(np.ones((4, 1))), lambda: env.reset(seed=1)):
+            with self.assertRaisesRegex(ValueError, "changed: it is now one that is read-only"):
+                use()
+        np.testing.assert_array_equal(buffer, kept)
+        buffer.setflags(write=True)
+        env.step(np.ones((4, 1)))
+        with self.assertRaises(ValueError):
+            buffer.resize((40, 2), refcheck=False)  # which would be elsewhere in memory
+        buffer.shape = (2, 4)
+        with self.assertRaisesRegex(ValueError, r"changed: it is now the shape \(2, 4\)"):
+            env.step(np.ones((4, 1)))
+        env.observe_into(None)
+        env.step(np.ones((4, 1)))
+
+    def test_more_worlds_than_memory(self):
+        with self.assertRaisesRegex(ValueError, "at most 100000 worlds, given 100000000"):
+            carts(n=100_000_000)
+
     def test_wrong_input(self):
         env = carts()
         env.reset()

@@ -86,6 +86,111 @@ class Arrays(Case):
         np.testing.assert_allclose(np.linalg.norm(contacts["normal"], axis=1), 1.0)
 
 
+    def test_contents_that_nobody_asked_for(self):
+        # An empty array would look like "no contact".
+        frames, full = [], []
+        sim = cg.Simulation(cg.compile_string(YARD))
+        contacts = sim.signal("contacts(ground, crate)")
+        sim.observe(frames.append)
+        sim.run_until(0.01)
+        frame = frames[-1]
+        for use in (lambda: frame.contacts, lambda: frame.value("contacts(ground, crate)"), lambda: contacts(frame)):
+            with self.assertRaisesRegex(cg.Error, "no contacts, .*contacts=True"):
+                use()
+        for name in ("acceleration", "angular_acceleration"):
+            with self.assertRaisesRegex(cg.Error, name + ": .*accelerations=True"):
+                getattr(frame, name)
+        with self.assertRaisesRegex(cg.Error, "joint_reactions=True"):
+            frame.joint_reaction
+        self.assertNotIn("contacts", repr(frame))
+        sim.observe(full.append, contacts=True, accelerations=True, joint_reactions=True)
+        sim.step()
+        self.assertEqual(full[-1].acceleration.shape, (len(frame.bodies), 3))
+        self.assertEqual(full[-1].joint_reaction.shape[1], 6)
+        self.assertGreater(contacts(full[-1]), 0)
+        self.assertGreater(contacts(sim.frame), 0)
+        self.assertIn("contacts", repr(sim.frame))
+        # At the start there is no step to take a mean over.
+        started = []
+        sim = cg.Simulation(cg.compile_string(YARD))
+        sim.observe(started.append, accelerations=True)
+        sim.step()
+        self.assertEqual(started[0].acceleration.shape, (0, 3))
+
+    def test_a_recording_without_contacts(self):
+        sim = cg.Simulation(cg.compile_string(YARD))
+        with sim.record(str(self.folder / "run.mcap"), contacts=False):
+            sim.run_until(0.01)
+        recording = cg.Recording(str(self.folder / "run.mcap"))
+        for use in (lambda: recording.table("contacts"), lambda: recording.signal("contacts(ground, crate)"),
+                    lambda: recording[3].contacts):
+            with self.assertRaisesRegex(cg.Error, "record\\(path, contacts=True\\)"):
+                use()
+
+
+class Sensors(Case):
+    SCENE = """<scene name="sensors" version="1">
+      <physics backend="cogrsim" step="1 ms"/>
+      <plane name="floor"/>
+      <box name="wall" size="10 100 100 cm" xyz="1.05 0 0.5" static="true"/>
+      <box name="cart" size="20 20 20 cm" mass="2 kg" xyz="0 0 0.1"/>
+      <box name="arm" size="4 4 40 cm" mass="1 kg" xyz="0 3 1"/>
+      <hinge name="elbow" child="arm" axis="0 1 0" frame="arm" xyz="0 0 20 cm" position="30 deg"/>
+      <encoder name="encoder" joint="elbow"/>
+      <pose name="pose" on="cart"/>
+      <imu name="imu" on="cart"/>
+      <infrared name="infrared" on="cart" range="1 cm .. 5 m"/>
+      <lidar name="lidar" on="cart" rays="3" fov="20 deg" range="1 cm .. 5 m"/>
+      <contact name="contact" on="cart"/>
+      <force-torque name="load" joint="elbow"/>
+      <camera name="camera" on="cart" xyz="11 0 0 cm" resolution="16 12" depth="true"/>
+    </scene>"""
+
+    def test_names_as_in_cpp(self):
+        frame = cg.Simulation(cg.compile_string(self.SCENE)).run_until(0.2)
+        of = frame.sensors
+        self.assertEqual(of["encoder"].position, of["encoder"]["position"])
+        self.assertEqual(of["encoder"].velocity, of["encoder"]["velocity"])
+        position, orientation = of["pose"].pose
+        np.testing.assert_allclose(position, [0, 0, 0.1], atol=1e-3)
+        np.testing.assert_allclose(orientation, [1, 0, 0, 0], atol=1e-3)
+        self.assertEqual([part.shape for part in of["pose"].twist], [(3,), (3,)])
+        np.testing.assert_allclose(of["imu"].specific_force, [0, 0, 9.80665], atol=0.05)
+        self.assertEqual(of["imu"].angular_velocity.shape, (3,))
+        # Rays begin in the middle of the cart, and do not see it.
+        self.assertAlmostEqual(of["infrared"].distance, 1.0, places=3)
+        self.assertEqual(of["infrared"].body, "wall")
+        self.assertTrue(np.isnan(of["infrared"].volts))
+        self.assertEqual(of["lidar"].size, 3)
+        np.testing.assert_allclose(of["lidar"].ranges, 1 / np.cos(np.radians([10, 0, 10])), atol=1e-3)
+        np.testing.assert_allclose(of["lidar"].directions[2], [np.cos(np.radians(10)), np.sin(np.radians(10)), 0])
+        self.assertTrue(of["contact"].touching)
+        self.assertEqual(of["contact"].bodies, ["floor"])
+        self.assertAlmostEqual(of["contact"].force[2], 2 * 9.80665, delta=0.1)
+        self.assertEqual((of["load"].force.shape, of["load"].torque.shape), ((3,), (3,)))
+        np.testing.assert_allclose(of["lidar"].sensor_pose[0], [0, 0, 0.1], atol=1e-3)
+
+    def test_a_name_of_another_sensor(self):
+        sensors = cg.Simulation(cg.compile_string(self.SCENE)).run_until(0.01).sensors
+        with self.assertRaisesRegex(AttributeError, "'lidar' is of type 'lidar', .* no 'position'; it has directions"):
+            sensors["lidar"].position
+
+    def test_before_the_first_reading(self):
+        sensors = cg.Simulation(cg.compile_string(self.SCENE)).frame.sensors
+        self.assertTrue(np.isnan(sensors["encoder"].position))
+        self.assertTrue(np.isnan(sensors["imu"].specific_force).all())
+        self.assertEqual(len(sensors["lidar"].ranges), 0)
+        self.assertEqual((sensors["infrared"].body, sensors["contact"].bodies), ("", []))
+        self.assertIsNone(sensors["lidar"].sensor_pose)
+
+    def test_camera(self):
+        camera = cg.Simulation(cg.compile_string(self.SCENE)).run_until(0.01).sensors["camera"]
+        if not camera.valid:
+            self.skipTest("no renderer")
+        self.assertTrue(0 < camera.brightness <= 1)
+        self.assertAlmostEqual(camera.nearest, 0.89, places=2)
+
+
 class Elements(Case):
     def test_quantities(self):
         frame = frame_at(0.2)

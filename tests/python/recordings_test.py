@@ -141,6 +141,32 @@ class Imports(Case):
             model.write(self.folder / "stick.urdf", overwrite=True)
         self.assertEqual((self.folder / "stick.urdf").read_text(), URDF)
 
+    def test_nothing_that_was_read_is_replaced(self):
+        mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+        self.write("part.obj", mesh)
+        self.write("sizes.yaml", "mass: 2\n")
+        robot = ('<robot name="r" xmlns:xacro="x"><link name="l"><inertial><mass value="'
+                 '${xacro.load_yaml(\'sizes.yaml\')[\'mass\']}"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+                 '<collision><geometry><mesh filename="part.obj"/></geometry></collision></link></robot>')
+        model = cg.import_model(self.write("r.urdf", robot))
+        scene = cg.compile(self.write("s.scene.xml", '<scene name="s" version="1"><import href="r.urdf"/>'
+                                      '<instance of="R"/></scene>'))
+        sim = cg.Simulation(scene)
+        for name in ("part.obj", "sizes.yaml", "r.urdf"):
+            before = (self.folder / name).read_bytes()
+            (self.folder / "again").mkdir(exist_ok=True)
+            link = self.folder / "again" / ("hard_" + name)
+            os.link(self.folder / name, link)
+            for path in (self.folder / name, self.folder / "again" / ".." / name, link):
+                for use in (lambda to: model.write(to, overwrite=True),
+                            lambda to: cg.export_model(scene, 'urdf').write(to, overwrite=True),
+                            lambda to: sim.write_snapshot(to, overwrite=True),
+                            lambda to: sim.record(to, overwrite=True)):
+                    with self.assertRaisesRegex(cg.Error, "made from"):
+                        use(path)
+            self.assertEqual((self.folder / name).read_bytes(), before)
+            self.assertEqual(os.listdir(self.folder / "again").count("meshes"), 0)
+
     def test_errors(self):
         with self.assertRaises(cg.CompileError) as caught:
             cg.import_model(self.write("bad.urdf", "<robot><link/></robot>"))

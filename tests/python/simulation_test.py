@@ -46,6 +46,9 @@ class Stepping(Case):
             yard(backend="bulet")
         self.assertIn("bulet", str(caught.exception))
         self.assertEqual(caught.exception.diagnostics[0].severity, "error")
+        for step in (1e-320, -0.001, float("nan"), float("inf")):
+            with self.assertRaisesRegex(cg.Error, "from 1e-9 s"):
+                yard(step=step)
         with self.assertRaises(TypeError):
             cg.Simulation(3)
         with self.assertRaisesRegex(ValueError, "isolation"):

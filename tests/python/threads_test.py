@@ -168,8 +168,21 @@ class Ending(Case):
         code = ("import sys, threading, time\nimport cogrsim as cg\nsim = cg.Simulation(sys.argv[1])\n"
                 "sim.observe(lambda frame: None)\n"
                 "threading.Thread(target=sim.run_until, args=(1e9,), daemon=True).start()\ntime.sleep(0.1)\n")
+        self.end(code)
+
+    def test_the_program_ends_while_other_threads_compile_and_step(self):
+        self.end("import sys, threading, time\nimport numpy\nimport cogrsim as cg\n"
+                 "def steps():\n    while True: cg.Simulation(sys.argv[1]).run_for(0.01)\n"
+                 "def compiles():\n    while True: cg.compile(sys.argv[1])\n"
+                 "def worlds():\n"
+                 "    env = cg.VectorEnv(sys.argv[1], 3, observations=['cart.pivot.position'])\n"
+                 "    env.reset()\n    while True: env.step(numpy.zeros((3, 0)))\n"
+                 "for work in (steps, compiles, worlds) * 2: threading.Thread(target=work, daemon=True).start()\n"
+                 "time.sleep(0.2)\n")
+
+    def end(self, code):
         done = subprocess.run([sys.executable, "-W", "ignore", "-c", code, str(CART)], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
 
 if __name__ == "__main__":

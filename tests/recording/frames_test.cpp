@@ -1,12 +1,16 @@
 // Recordings are read back, bit for bit, and readings can be computed from them again.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "../support/engines.h"
 #include "../support/skip.h"
 #include "cogrsim/rendering/renderer.h"
 #include "model/model_json.h"
+#include "recording/mcap/mcap_reader.h"
 #include "recording/mcap/messages.h"
+#include "recording/mcap/protobuf.h"
 #include "support.h"
 
 using namespace cogrsim;
@@ -171,6 +175,76 @@ TEST_CASE("pictures are read back, and can be rendered again") {
     return true;
   });
   CHECK(done);
+}
+
+TEST_CASE("messages of sensors have the times of their measurements") {
+  const Folder folder;
+  ModelBuilder builder("cart");
+  const int cart = builder.box("cart", Vec3(0.2, 0.2, 0.2), 1.0, Pose());
+  builder.model.bodies[cart].V_WB.linear = Vec3(1, 0, 0);
+  builder.model.physics.gravity = Vec3::Zero();
+  builder.model.physics.step = 0.02;
+  std::vector<std::string> types = {"pose", "imu", "lidar", "infrared", "contact"};
+  if (load_renderer(*loader())) types.push_back("camera");
+  for (const std::string& type : types) {
+    SensorModel sensor;
+    sensor.name = sensor.type = type;
+    sensor.body = cart;
+    sensor.rate = 10.0;
+    if (type == "camera") {
+      for (const char* part : {"color", "depth", "segmentation"}) sensor.parameters[part] = true;
+    }
+    builder.model.sensors.push_back(sensor);
+  }
+  const auto simulation = simulate(builder.build(), "bullet");
+  record(*simulation, to(folder / "run.mcap"), 25, [&](int step) {
+    if (step == 18) simulation->send(EnableSensor{"imu", false});
+  });
+  auto file = mcap::Reader::open(folder / "run.mcap");
+  REQUIRE(file);
+  constexpr std::uint64_t kPeriod = 100'000'000;
+  std::set<std::string> parts;
+  for (const auto& [id, channel] : (*file)->channels()) {
+    const auto part = channel.metadata.find("part");
+    if (part == channel.metadata.end()) continue;
+    parts.insert(part->second);
+    INFO(channel.topic);
+    const auto& locations = (*file)->locations(id);
+    const bool off = channel.metadata.at("name") == "imu";
+    REQUIRE(locations.size() == 5);
+    for (std::size_t i = 0; i < 5; ++i) {
+      // Switched off before the step from 0.36 s to 0.38 s: known from then on.
+      const std::uint64_t expected = off && i == 4 ? 380'000'000 : i * kPeriod;
+      CHECK(locations[i].time == expected);
+      const auto chunk = (*file)->chunk(locations[i].chunk);
+      REQUIRE(chunk);
+      const auto message = mcap::Reader::message_at(**chunk, locations[i].offset);
+      REQUIRE(message);
+      if (part->second == "reading") {
+        const auto record = take_reading(message->data);
+        REQUIRE(record);
+        CHECK(
+            record->reading.time ==
+            Approx(0.1 * static_cast<double>(off ? std::min(i, std::size_t{3}) : i)).margin(1e-12));
+        REQUIRE(record->reading.pose);
+        CHECK(record->reading.pose->p.x() == Approx(record->reading.time).margin(1e-5));
+      } else {
+        protozero::pbf_reader fields(message->data.data(), message->data.size());
+        REQUIRE(fields.next(1));
+        protozero::pbf_reader stamp = fields.get_message();
+        std::uint64_t time = 0;
+        while (stamp.next()) {
+          time += stamp.tag() == 1 ? 1'000'000'000 * static_cast<std::uint64_t>(stamp.get_int64())
+                                   : static_cast<std::uint64_t>(stamp.get_int32());
+        }
+        CHECK(time == expected);
+      }
+    }
+  }
+  CHECK(parts.count("scan") == 1);
+  if (types.back() == "camera") {
+    for (const char* part : {"color", "depth", "segmentation"}) CHECK(parts.count(part) == 1);
+  }
 }
 
 TEST_CASE("fewer frames are kept on request, all readings are") {

@@ -45,6 +45,8 @@ std::string difference(const Reading& a, const Reading& b) {
   if (a.valid != b.valid) return "valid";
   if (a.enabled != b.enabled) return "enabled";
   if (!same_bits(a.values, b.values)) return "values";
+  if (a.pose.has_value() != b.pose.has_value()) return "pose there";
+  if (a.pose && (a.pose->p != b.pose->p || a.pose->q.coeffs() != b.pose->q.coeffs())) return "pose";
   if (!same(a.contacts, b.contacts)) return "contacts";
   if (!a.picture != !b.picture) return "picture there";
   if (a.picture && !same(*a.picture, *b.picture)) return "picture";

@@ -135,6 +135,26 @@ TEST_CASE("the scene sets the contact of two materials", "[model]") {
     CHECK(pair.rolling_friction == 0.0);
     CHECK(pair.spinning_friction == 0.0);
   }
+  SECTION("by the rule of a material, of two rules by the later one") {
+    Material &one = b.model.materials[ice], &two = b.model.materials[rubber];
+    const auto friction = [&](CombineRule first, CombineRule second) {
+      one.friction_combine = first;
+      two.friction_combine = second;
+      return surface_pair(b.model, ice, rubber).friction;
+    };
+    using Rule = CombineRule;
+    CHECK(friction(Rule::usual, Rule::average) == Approx(0.52));
+    CHECK(friction(Rule::min, Rule::usual) == 0.04);
+    CHECK(friction(Rule::min, Rule::multiply) == Approx(0.04));
+    CHECK(friction(Rule::max, Rule::min) == 1.0);
+    CHECK(friction(Rule::geometric, Rule::usual) == Approx(0.2));
+    one.restitution_combine = Rule::multiply;
+    CHECK(surface_pair(b.model, ice, rubber).restitution == Approx(0.08));
+    two.restitution_combine = Rule::min;
+    CHECK(surface_pair(b.model, rubber, ice).restitution == Approx(0.08));
+    one.restitution_combine = Rule::usual;
+    CHECK(surface_pair(b.model, ice, rubber).restitution == 0.1);
+  }
   SECTION("the larger rolling and spinning friction holds") {
     b.model.materials[ice].rolling_friction = 1e-3;
     b.model.materials[rubber].rolling_friction = 3e-3;

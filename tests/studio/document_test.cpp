@@ -182,6 +182,36 @@ TEST_CASE("a broken text keeps the last good scene and reports the error's line"
   CHECK(requests.run.shown().size() == 2);
 }
 
+TEST_CASE("a scene whose controller's plugin is missing is shown without it", "[document]") {
+  Folder folder;
+  folder.write("t.scene.xml",
+               "<scene name=\"two\">\n"
+               "  <assembly name=\"robot\">\n"
+               "    <box name=\"a\" size=\"1 1 1\" xyz=\"0 0 1\"/>\n"
+               "    <controller plugin=\"not_built_yet\" rate=\"50 Hz\"><set gain=\"2\"/></controller>\n"
+               "  </assembly>\n"
+               "  <box name=\"b\" size=\"1 1 1\" xyz=\"4 0 1\"/>\n"
+               "</scene>\n");
+  RequestHandler requests(folder.path("t.scene.xml"));
+  const Json problems = requests.page.wait("problems", 1);
+  REQUIRE(problems["problems"].size() == 1);
+  CHECK(problems["problems"][0]["code"] == "CG0901");
+  CHECK(problems["good"] == false);
+  requests.get("sources");  // is answered after the run has the scene
+  auto shown = requests.run.shown();
+  REQUIRE(shown.size() == 1);
+  CHECK(shown[0].model->controllers.empty());
+  REQUIRE(shown[0].model->bodies.size() == 2);
+  // Elements are those of the text as it is.
+  CHECK(shown[0].origins.bodies[0].element == requests.id("box", "a"));
+  CHECK(shown[0].origins.bodies[1].element == requests.id("box", "b"));
+  // After a good text the last good scene is kept, whatever is typed.
+  requests.get("set-text", {{"version", requests.version}, {"text", kScene}});
+  requests.get("sources");
+  const std::size_t good = requests.run.shown().size();
+  REQUIRE(good == 2);
+}
+
 TEST_CASE("a scene that the engine refuses is a problem too", "[document]") {
   Folder folder;
   folder.write("t.scene.xml", kScene);

@@ -102,7 +102,7 @@ TEST_CASE("hello comes first and reports roles", "[studio][requests]") {
       bench.ask(R"({"id": 1, "do": "seek", "time": 1})")["error"]["message"].get<std::string>(),
       Contains("say hello first"));
   const Json hello = bench.ask(R"({"id": 2, "do": "hello"})");
-  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 3, "role": "viewer",
+  CHECK(hello == Json::parse(R"({"id": 2, "ok": true, "protocol": 4, "role": "viewer",
       "client": 1, "version": "1.2.3", "kind": "recording", "file": "x.mcap", "allow_build": false,
       "assets": "/asset/0f/", "backends": ["one", "two"]})"));
   CHECK(bench.outbox.next()["topic"] == "status");
@@ -143,6 +143,9 @@ TEST_CASE("malformed requests are answered with their error", "[studio][requests
   CHECK(message(std::string(500, '[')) == "the request is nested deeper than 8");
   CHECK(message(R"({"id": 1, "do": "seek", "x": [[[[[[[[]]]]]]]]})") ==
         "the request is nested deeper than 8");
+  std::string wide = R"({"id": 1, "do": "seek", "x": [[])";
+  for (int i = 0; i < 300'000; ++i) wide += ",[]";
+  CHECK(message(wide + "]}") == "the request has more than 200000 values");
   // Brackets in a text are none.
   CHECK(bench.ask(R"({"id": 1, "do": "backend", "name": "[[[[[[[[[[\"[[["})")["ok"] == true);
   CHECK(message(R"({"id": 1, "do": "edit"})") == "'edit' is not there for a recording");

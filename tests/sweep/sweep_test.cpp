@@ -423,3 +423,44 @@ TEST_CASE("mpirun makes the same table", "[sweep][mpi]") {
   CHECK(refused != 0);
   CHECK(refused != 124);  // of timeout
 }
+
+TEST_CASE("what a stranger put into a table beside its rows does not run", "[sweep]") {
+  const TemporaryFolder folder;
+  const Arguments study = {COGRSIM_SCENES "/good_study.xml", "-o", folder / "out"};
+  REQUIRE(sweep(study).status == 0);
+  const std::string table = folder / "out/results.sqlite";
+  const auto change = [&](const std::string& sql) {
+    sqlite3* db = nullptr;
+    REQUIRE(sqlite3_open(table.c_str(), &db) == SQLITE_OK);
+    char* message = nullptr;
+    const int status = sqlite3_exec(db, sql.c_str(), nullptr, nullptr, &message);
+    INFO((message == nullptr ? "" : message));
+    CHECK(status == SQLITE_OK);
+    sqlite3_close(db);
+  };
+  const std::size_t rows = count_rows(table);
+  REQUIRE(rows > 2);
+  // A trigger that would delete all rows with the next one.
+  change(
+      "CREATE TRIGGER t AFTER INSERT ON runs BEGIN DELETE FROM runs; END;"
+      "CREATE VIEW mine AS SELECT * FROM runs;"
+      "DELETE FROM runs WHERE rowid = 1");
+  const Outcome again = sweep(study);
+  INFO(again.err);
+  CHECK(again.status == 0);
+  CHECK(count_rows(table) == rows);
+  const auto plot = [&] {
+    return cogrsim_run({"plot", folder / "out", "--kind", "curve", "--x", "seed", "--y", "end_time",
+                        "-o", folder / "figure.json"});
+  };
+  CHECK(plot().status == 0);
+  // A view that never ends.
+  change(
+      "ALTER TABLE runs RENAME TO old; CREATE VIEW runs AS WITH RECURSIVE n(i) AS (VALUES(1) "
+      "UNION ALL SELECT i + 1 FROM n) SELECT i AS \"case\", i AS seed, i AS end_time FROM n");
+  for (const Outcome& outcome : {plot(), sweep(study)}) {
+    INFO(outcome.err);
+    CHECK(outcome.status == 1);
+    CHECK_THAT(outcome.err, Contains("its 'runs' is a view"));
+  }
+}

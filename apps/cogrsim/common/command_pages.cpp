@@ -182,15 +182,21 @@ std::string quoted_list(const std::vector<std::string>& words) {
   return fmt::format("'{}'", fmt::join(words, " "));
 }
 
-// The call of compgen that completes a value of this type; empty: nothing is known of it.
+// The call that completes a value of this option; empty: nothing is known of it.
 std::string generator(const CLI::Option& option) {
   if (const auto choices = choices_of(option); !choices.empty()) {
-    return "-W " + quoted_list(choices);
+    return "_cogrsim_add -W " + quoted_list(choices);
   }
+  const std::vector<std::string> names = names_of(option);
+  const auto is = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (is("--backend")) return "_cogrsim_backends one";
+  if (is("--backends")) return "_cogrsim_backends list";
   const std::string type = type_of(option);
-  if (type == "DIR") return "-d";
+  if (type == "DIR") return "_cogrsim_add -d";
   for (const char* file : {"FILE", "SCENE", "RUN", "DIR", "."}) {
-    if (type.find(file) != std::string::npos) return "-f";
+    if (type.find(file) != std::string::npos) return "_cogrsim_add -f";
   }
   return {};
 }
@@ -250,15 +256,15 @@ std::string bash_completion(const CLI::App& table) {
       for (const std::string& each : names) patterns.push_back(name + ":" + each);
       const std::string known = generator(*option);
       values += fmt::format("    {}) {}return ;;\n", fmt::join(patterns, "|"),
-                            known.empty() ? "" : "_cogrsim_add " + known + "; ");
+                            known.empty() ? "" : known + "; ");
     }
     options.push_back("--help");
     words += fmt::format("    {}:-*) _cogrsim_add -W {} ;;\n", name, quoted_list(options));
     std::string arguments;
     for (const CLI::Option* option : options_of(command, true)) {
       const std::string known =
-          option->get_name() == "command" ? "-W \"$commands\"" : generator(*option);
-      if (!known.empty()) arguments += "_cogrsim_add " + known + "; ";
+          option->get_name() == "command" ? "_cogrsim_add -W \"$commands\"" : generator(*option);
+      if (!known.empty()) arguments += known + "; ";
     }
     if (!arguments.empty()) words += fmt::format("    {}:*) {};;\n", name, arguments);
   };
@@ -273,6 +279,16 @@ std::string bash_completion(const CLI::App& table) {
       "  local line\n"
       "  while IFS= read -r line; do COMPREPLY+=(\"$line\"); done "
       "< <(compgen \"$@\" -- \"$word\")\n"
+      "}}\n"
+      "# Those that are there now; of a list with commas the last one is completed.\n"
+      "_cogrsim_backends() {{\n"
+      "  local start= name all=\n"
+      "  [[ $1 == list && $word == *,* ]] && start=${{word%,*}},\n"
+      "  for name in $(\"${{COMP_WORDS[0]}}\" plugins 2>/dev/null | sed -n 's/^backend \\([^ ]*\\) "
+      ".*/\\1/p'); do\n"
+      "    [[ ,$start == *,$name,* ]] || all+=\" $start$name\"\n"
+      "  done\n"
+      "  _cogrsim_add -W \"$all\"\n"
       "}}\n"
       "_cogrsim() {{\n"
       "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command= i\n"

@@ -59,6 +59,13 @@ Result<> check_writable(const std::string& path, OutputKind kind) {
   return path == "-" ? Result<>() : check_output(path, kind, output_rules());
 }
 
+Result<> check_writable(const std::vector<std::pair<std::string, OutputKind>>& outputs) {
+  for (const auto& [path, kind] : outputs)
+    if (!path.empty())
+      if (auto writable = check_writable(path, kind); !writable) return writable;
+  return {};
+}
+
 Result<> write_output(const std::string& path, OutputKind kind, const std::string& text) {
   return path == "-" ? print_output(text) : write_output_file(path, kind, text, output_rules());
 }

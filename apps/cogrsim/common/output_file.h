@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cogrsim/core/output_file.h"
 
@@ -20,6 +22,8 @@ OutputRules scene_rules(const std::string& folder);
 
 /// Whether a file of this name could be written, asked before a long run starts. "-" is stdout.
 Result<> check_writable(const std::string& path, OutputKind kind);
+/// The same for several; empty names are none. To be asked again once all inputs are known.
+Result<> check_writable(const std::vector<std::pair<std::string, OutputKind>>& outputs);
 
 /// Writes `text` whole or not at all; "-" is stdout. Errors: as check_writable, disk full; `path` is
 /// then as it was.

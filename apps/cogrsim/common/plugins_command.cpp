@@ -136,7 +136,7 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
                        d.version, d.author.empty() ? "" : ", by " + d.author);
     if (!d.summary.empty()) out += fmt::format("    {}\n", d.summary);
     if (!entry.family.empty()) out += fmt::format("    family: {}\n", entry.family);
-    out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : entry.path);
+    out += fmt::format("    found: {}\n", entry.path.empty() ? "built in" : one_line(entry.path));
     out += parameter_table("parameter", d.parameters, style);
     out += output_table(d.outputs, style);
     if (entry.backend) {
@@ -148,11 +148,11 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += "\n";
   }
   for (const RefusedPlugin& refused : inventory.refused) {
-    out += fmt::format("{}refused{} {}\n    {}\n\n", style.red, style.off, refused.path,
-                       refused.reason);
+    out += fmt::format("{}refused{} {}\n    {}\n\n", style.red, style.off, one_line(refused.path),
+                       paragraph(refused.reason));
   }
   out += style.bold + "folders searched" + style.off + "\n";
-  for (const std::string& folder : inventory.folders) out += "    " + folder + "\n";
+  for (const std::string& folder : inventory.folders) out += "    " + one_line(folder) + "\n";
   return out;
 }
 

@@ -32,7 +32,7 @@ std::string source_line(const Diagnostic& diagnostic) {
     if (!std::getline(in, line)) return {};
   }
   if (!line.empty() && line.back() == '\r') line.pop_back();
-  return line.size() > kLongest ? std::string() : printable(line);
+  return line.size() > kLongest ? std::string() : line;
 }
 
 }  // namespace
@@ -113,8 +113,6 @@ std::string diagnostics_text(std::vector<Diagnostic> diagnostics, bool color) {
     if (diagnostic.source_line.empty() && diagnostic.line > 0) {
       diagnostic.source_line = source_line(diagnostic);
     }
-    diagnostic.message = printable(diagnostic.message);
-    diagnostic.help = printable(diagnostic.help);
   }
   std::string text = dsl::to_text(diagnostics, color);
   if (!text.empty() && text.back() != '\n') text += '\n';

@@ -20,6 +20,7 @@ Result<PictureInstant> instant(const std::string& title, const std::vector<Frame
   for (std::size_t i = 0; i < frames.size(); ++i) {
     RenderRequest request;
     request.camera = standard_camera(StandardView::iso, bounds, kReportWidth, kReportHeight);
+    request.illustrated = true;
     auto pictures = renderer.render(*frames[i], {request});
     if (!pictures) return tl::unexpected(pictures.error());
     auto png = encode_png(pictures->front().color);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/shown_text.h"
+
 namespace cogrsim::cli {
 namespace {
 
@@ -57,7 +59,7 @@ std::string color_list(std::size_t count) {
 
 std::string html_escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     switch (c) {
       case '&':
         out += "&amp;";

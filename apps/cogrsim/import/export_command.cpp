@@ -29,13 +29,12 @@ struct ExportCommandOptions {
 
 int export_command(const ExportCommandOptions& options) {
   add_input(options.scene.scene);
-  for (const auto& [path, kind] : {std::pair{options.output, OutputKind::other},
-                                   std::pair{options.report, report_kind(options.report)}})
-    if (!path.empty())
-      if (const auto writable = check_writable(path, kind); !writable)
-        return refuse(writable.error());
+  const std::vector<std::pair<std::string, OutputKind>> outputs = {
+      {options.output, OutputKind::other}, {options.report, report_kind(options.report)}};
+  if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
   const LoadedScene loaded = load_scene(options.scene);
   print_diagnostics(loaded.diagnostics);
+  if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
   if (!loaded.model) return kFailed;
   const auto result = dsl::export_model(*loaded.model, options.to);
   if (!result) return refuse(result.error());
@@ -64,9 +63,9 @@ int export_command(const ExportCommandOptions& options) {
       !written)
     return refuse(written.error());
   std::fputs(
-      printable(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", options.output,
-                            title.format, result->count(dsl::Fidelity::exact),
-                            result->count(dsl::Fidelity::approximate), lost))
+      fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", one_line(options.output),
+                  title.format, result->count(dsl::Fidelity::exact),
+                  result->count(dsl::Fidelity::approximate), lost)
           .c_str(),
       stderr);
   return kGood;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 
 #include "common/arguments.h"
 #include "common/output_file.h"
@@ -58,35 +59,51 @@ OutputKind report_kind(const std::string& file) {
 
 void print_fidelity(const dsl::FidelityReport& report) {
   const Style style = style_of(STDERR_FILENO);
-  for (const Fidelity fidelity : {Fidelity::approximate, Fidelity::left_out}) {
+  const std::vector<const dsl::ImportEntry*> entries = report.by_weight();
+  for (const Fidelity fidelity : {Fidelity::left_out, Fidelity::approximate}) {
     const std::size_t count = report.count(fidelity);
     if (count == 0) continue;
     std::string text = fmt::format("{}{}{}, {}:\n", style.cyan, dsl::fidelity_name(fidelity),
                                    style.off, count_text(count, "element", "elements"));
-    constexpr std::size_t kMost = 20;
-    std::size_t shown = 0;
-    for (const dsl::ImportEntry& e : report.entries) {
-      if (e.fidelity != fidelity) continue;
-      if (++shown > kMost) break;
-      text += fmt::format("  {}{}{}: {}\n", e.position_text(), e.file.empty() ? "" : ": ", e.element,
-                          e.message);
+    // Elements of which the same is said share a line.
+    std::map<std::string, std::size_t> like;
+    for (const dsl::ImportEntry* e : entries)
+      if (e->fidelity == fidelity) ++like[e->message];
+    // All that changes the motion is listed.
+    constexpr std::size_t kMostOthers = 10;
+    std::size_t others = 0, hidden = 0;
+    for (const dsl::ImportEntry* e : entries) {
+      if (e->fidelity != fidelity) continue;
+      std::size_t& alike = like[e->message];
+      if (alike == 0) continue;
+      if (!e->moves && ++others > kMostOthers) {
+        hidden += alike;
+      } else {
+        text += fmt::format("  {}{}{}{}: {}\n", one_line(e->position_text()), e->file.empty() ? "" : ": ",
+                            one_line(e->element),
+                            alike > 1 ? fmt::format(" and {} more", alike - 1) : std::string(),
+                            one_line(e->message));
+      }
+      alike = 0;
     }
-    if (count > kMost)
-      text += fmt::format("  and {} more; --report FILE.html lists all\n", count - kMost);
-    std::fputs(printable(text).c_str(), stderr);
+    if (hidden > 0)
+      text += fmt::format(
+          "  and {} more, which change no motion; --report FILE.html lists all\n", hidden);
+    std::fputs(text.c_str(), stderr);
   }
 }
 
 Json fidelity_json(const ConversionTitle& title, const dsl::FidelityReport& report,
                    const std::vector<Diagnostic>& diagnostics) {
   Json entries = Json::array();
-  for (const dsl::ImportEntry& e : report.entries)
-    entries.push_back({{"fidelity", dsl::fidelity_name(e.fidelity)},
-                       {"element", e.element},
-                       {"message", e.message},
-                       {"file", e.file},
-                       {"line", e.line},
-                       {"column", e.column}});
+  for (const dsl::ImportEntry* e : report.by_weight())
+    entries.push_back({{"fidelity", dsl::fidelity_name(e->fidelity)},
+                       {"changes_motion", e->moves && e->fidelity != Fidelity::exact},
+                       {"element", e->element},
+                       {"message", e->message},
+                       {"file", e->file},
+                       {"line", e->line},
+                       {"column", e->column}});
   return {{"source", title.source},
           {"format", title.format},
           {"imported", title.done},
@@ -119,15 +136,16 @@ std::string fidelity_html(const ConversionTitle& title, const dsl::FidelityRepor
   for (const Diagnostic& d : diagnostics)
     out += fmt::format("<p class=\"left\"><b>{}: {}</b> {}</p>\n", html_escaped(d.position_text()),
                        html_escaped(d.message), html_escaped(d.help));
-  out += "<table><tr><th>fidelity</th><th>element</th><th>note</th><th>source</th></tr>\n";
-  for (const Fidelity fidelity : kAll)
-    for (const dsl::ImportEntry& e : report.entries)
-      if (e.fidelity == fidelity)
-        out += fmt::format(
-            "<tr class=\"r-{0}\"><td class=\"{0}\">{1}</td><td>{2}</td><td>{3}</td><td>{4}</td>"
-            "</tr>\n",
-            css_class(fidelity), dsl::fidelity_name(fidelity), html_escaped(e.element),
-            html_escaped(e.message), html_escaped(e.position_text()));
+  out +=
+      "<table><tr><th>fidelity</th><th>changes the motion</th><th>element</th><th>note</th>"
+      "<th>source</th></tr>\n";
+  for (const dsl::ImportEntry* e : report.by_weight())
+    out += fmt::format(
+        "<tr class=\"r-{0}\"><td class=\"{0}\">{1}</td><td>{2}</td><td>{3}</td><td>{4}</td>"
+        "<td>{5}</td></tr>\n",
+        css_class(e->fidelity), dsl::fidelity_name(e->fidelity),
+        e->moves && e->fidelity != Fidelity::exact ? "yes" : "", html_escaped(e->element),
+        html_escaped(e->message), html_escaped(e->position_text()));
   return out + "</table></body></html>\n";
 }
 

@@ -2,6 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -93,23 +105,54 @@ Result<dsl::ImportWithout> lacking(const Loader& loader, const std::vector<std::
   return out;
 }
 
-/// Which installed engines run the scene, and the first reason of each that does not.
-void print_engines(const SceneModelPtr& model, const Loader& loader) {
-  constexpr std::size_t kMostTried = 2000;  // bodies; some engines take minutes to add more
-  if (model->bodies.size() > kMostTried) {
-    std::fputs(fmt::format("  engines were not tried, as there are more than {} bodies: cogrsim run "
-                           "--backend NAME does\n",
-                           kMostTried)
-                   .c_str(),
-               stderr);
-    return;
-  }
-  for (const std::string& name : installed_backends(loader)) {
-    const std::vector<std::string> reasons = reasons_against(name, model, loader);
+/// What reasons_against() says, by a process of its own, as engines cannot be interrupted. Takes the
+/// processor time from `seconds`; empty: it was not enough.
+std::string tried(const std::string& engine, const SceneModelPtr& model, const Loader& loader,
+                  double& seconds) {
+  if (seconds <= 0.0) return {};
+  int ends[2] = {-1, -1};
+  if (::pipe2(ends, O_CLOEXEC) != 0) return "could not be tried";
+  std::fflush(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    itimerval timer{};
+    timer.it_value.tv_sec = static_cast<time_t>(seconds);
+    timer.it_value.tv_usec = 1 + static_cast<suseconds_t>(999'998.0 * std::fmod(seconds, 1.0));
+    ::setitimer(ITIMER_PROF, &timer, nullptr);  // of processor time: SIGPROF ends this process
+    const std::vector<std::string> reasons = reasons_against(engine, model, loader);
     std::string verdict = "runs it";
     if (!reasons.empty()) verdict = "does not run it: " + reasons.front();
     if (reasons.size() > 1) verdict += fmt::format(", and {} more", reasons.size() - 1);
-    std::fputs(printable(fmt::format("  {:<10}{}\n", name, verdict)).c_str(), stderr);
+    verdict.resize(std::min<std::size_t>(verdict.size(), PIPE_BUF));
+    ::_exit(::write(ends[1], verdict.data(), verdict.size()) < 0 ? 1 : 0);
+  }
+  ::close(ends[1]);
+  std::string verdict(PIPE_BUF, '\0');
+  const ssize_t size = child < 0 ? 0 : ::read(ends[0], verdict.data(), verdict.size());
+  ::close(ends[0]);
+  if (child < 0) return "could not be tried";
+  int status = 0;
+  rusage used{};
+  ::wait4(child, &status, 0, &used);
+  for (const timeval& t : {used.ru_utime, used.ru_stime})
+    seconds -= static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF) return {};
+  if (size <= 0) return "does not run it: it ends the program";
+  verdict.resize(static_cast<std::size_t>(size));
+  return verdict;
+}
+
+/// Which installed engines run the scene, and the first reason of each that does not.
+void print_engines(const SceneModelPtr& model, const Loader& loader) {
+  // Some engines take minutes to add many bodies; large meshes may take longer.
+  double seconds = 3.0;
+  for (const MeshPtr& mesh : model->meshes)
+    seconds += 1e-5 * static_cast<double>(mesh->triangles.size());
+  for (const std::string& name : installed_backends(loader)) {
+    std::string verdict = tried(name, model, loader, seconds);
+    if (verdict.empty()) verdict = "was not tried to the end, which takes long: cogrsim run does";
+    std::fputs(fmt::format("  {:<10}{}\n", one_line(name), one_line(verdict)).c_str(), stderr);
   }
 }
 
@@ -154,11 +197,9 @@ bool part_overlapping_links(const SceneModel& model, dsl::ImportResult& result) 
 
 int import_command(const ImportCommandOptions& options) {
   add_input(options.file);
-  for (const auto& [path, kind] : {std::pair{options.output, OutputKind::xml},
-                                   std::pair{options.report, report_kind(options.report)}})
-    if (!path.empty())
-      if (const auto writable = check_writable(path, kind); !writable)
-        return refuse(writable.error());
+  const std::vector<std::pair<std::string, OutputKind>> outputs = {
+      {options.output, OutputKind::xml}, {options.report, report_kind(options.report)}};
+  if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
   std::error_code missing;
   if (!fs::is_regular_file(options.file, missing))
     return refuse(Error(fmt::format("there is no file '{}'", options.file), "",
@@ -177,11 +218,13 @@ int import_command(const ImportCommandOptions& options) {
   import.without = std::move(*without);
   StatusLine progress;
   import.decomposing = [&](const std::string& mesh) {
-    if (progress.shown()) progress.show("import: decomposing " + printable(mesh));
+    if (progress.shown()) progress.show("import: decomposing " + one_line(mesh));
   };
   dsl::ImportResult result = dsl::import_model(options.file, import);
   progress.clear();
   for (const std::string& read : result.files_read) add_input(read);
+  // Now that all inputs are known, and before anything is written.
+  if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
   print_diagnostics(result.diagnostics);
   const auto report = [&] {
     print_fidelity(result);
@@ -223,14 +266,14 @@ int import_command(const ImportCommandOptions& options) {
     print_error(fmt::format("'{}' was written, and is not a valid scene", options.output));
     return kFailed;
   }
-  std::fputs(
-      printable(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n", options.output,
-                            count_text(scene.model->bodies.size(), "body", "bodies") + ", " +
-                                count_text(scene.model->joints.size(), "joint", "joints"),
-                            result.count(dsl::Fidelity::exact),
-                            result.count(dsl::Fidelity::approximate), lost))
-          .c_str(),
-      stderr);
+  std::fputs(fmt::format("{}: {}; {} exact, {} approximate, {} left out\n",
+                         one_line(options.output),
+                         count_text(scene.model->bodies.size(), "body", "bodies") + ", " +
+                             count_text(scene.model->joints.size(), "joint", "joints"),
+                         result.count(dsl::Fidelity::exact),
+                         result.count(dsl::Fidelity::approximate), lost)
+                 .c_str(),
+             stderr);
   print_engines(scene.model, loader);
   return kGood;
 }

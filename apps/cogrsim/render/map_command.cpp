@@ -114,7 +114,7 @@ int map_command(const MapCommandOptions& options) {
   job.drawing.area = options.area;
   job.drawing.names = options.names;
   status = film ? draw_film(job) : draw_one(job);
-  if (status == kGood) std::fprintf(stderr, "%s\n", options.output.c_str());
+  if (status == kGood) std::fprintf(stderr, "%s\n", one_line(options.output).c_str());
   return status;
 }
 

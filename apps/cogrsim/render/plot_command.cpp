@@ -17,6 +17,7 @@
 #include "common/terminal.h"
 #include "render/plots.h"
 #include "sweep/result_table.h"
+#include "sweep/sweep_table.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -188,7 +189,10 @@ int draw_all(const PlotCommandOptions& options, const std::vector<Run>& runs) {
 
 int plot_command(const PlotCommandOptions& options) {
   catch_interrupts();
-  for (const std::string& file : options.files) add_input(file);
+  for (const std::string& file : options.files) {
+    add_input(file);
+    add_input((fs::path(file) / kTableName).string());  // of a folder
+  }
   if (std::any_of(options.files.begin(), options.files.end(), is_result_table))
     return plot_table(options);
   if (!options.by.empty())

@@ -43,7 +43,7 @@ Result<> draw_and_report(const figures::Figure& figure, const std::string& path)
   options.cancelled = later_interrupt();
   const auto files = figures::draw(figure, path, options);
   if (!files) return tl::unexpected(files.error());
-  std::fprintf(stderr, "%s\n", printable(files->front()).c_str());
+  std::fprintf(stderr, "%s\n", one_line(files->front()).c_str());
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/rendering/framing.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "common/options.h"
@@ -64,6 +65,7 @@ Result<RenderRequest> from_view(const Frame& frame, const geometry::Bounds& boun
   const int width = options.width > 0 ? options.width : kViewWidth;
   const int height = options.height > 0 ? options.height : kViewHeight;
   RenderRequest request;
+  request.illustrated = true;
   std::vector<std::string> names;
   for (const ViewModel& view : frame.model->views) {
     names.push_back(view.name);
@@ -121,6 +123,7 @@ int one_picture(Studio& studio) {
   const double at = studio.options.at ? *studio.options.at : studio.source.end();
   Result<FramePtr> frame = studio.source.at(0.0);
   if (!frame) return refuse(frame.error());
+  const Framing framing(**frame);
   if (studio.overlays.trails) {
     auto trails = Trails::of(*(*frame)->model, {});
     if (!trails) return refuse(trails.error());
@@ -134,7 +137,7 @@ int one_picture(Studio& studio) {
   }
   frame = studio.source.at(at);
   if (!frame) return refuse(frame.error());
-  studio.bounds = visible_bounds(**frame);
+  studio.bounds = framing.single(**frame);
   auto picture = shoot(studio, **frame);
   if (!picture) return refuse(picture.error());
   auto bytes = file_of(studio, *picture);
@@ -160,7 +163,7 @@ int film(Studio& studio) {
   if (auto bearable = check_picture_count(end - start, options.every); !bearable) {
     return refuse(bearable.error());
   }
-  studio.bounds = visible_bounds(**frame);  // a view stays where it is
+  Framing framing(**frame);
   auto film = Film::start(options.output, options.speed / options.every);
   if (!film) return refuse(film.error());
   auto trails = Trails::of(*(*frame)->model, {});
@@ -169,6 +172,7 @@ int film(Studio& studio) {
     frame = studio.source.at(start + k * options.every);
     if (!frame) return refuse(frame.error());
     trails->add(**frame);
+    studio.bounds = framing.follow(**frame);
     if (studio.overlays.trails) studio.trails = trails->trails();
     auto picture = shoot(studio, **frame);
     if (!picture) return refuse(picture.error());
@@ -219,7 +223,7 @@ int render_command(const RenderCommandOptions& options) {
   if (!renderer) return refuse(renderer.error());
   Studio studio{options, *overlays, *source, std::move(*renderer), {}, {}};
   status = moving ? film(studio) : one_picture(studio);
-  if (status == kGood) std::fprintf(stderr, "%s\n", options.output.c_str());
+  if (status == kGood) std::fprintf(stderr, "%s\n", one_line(options.output).c_str());
   return status;
 }
 

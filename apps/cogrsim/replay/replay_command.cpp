@@ -12,6 +12,7 @@
 
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/recording/recording.h"
+#include "cogrsim/rendering/framing.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "render/film.h"
@@ -197,22 +198,11 @@ Result<> camera_pictures(PictureSource& source, std::size_t sensor) {
 
 // The scene from a viewpoint that was not in the run.
 Result<> view_pictures(PictureSource& source, const std::string& name, const Frame& start) {
-  std::optional<Camera> camera;
   const ViewModel* saved = nullptr;
   for (const ViewModel& view : start.model->views) {
     if (view.name == name) saved = &view;
   }
-  if (saved == nullptr) {
-    // All of the run stays in the picture.
-    geometry::Bounds bounds = visible_bounds(start);
-    const std::size_t last = source.recording.frame_count() - 1;
-    for (const std::size_t i : {last / 4, last / 2, last * 3 / 4, last}) {
-      if (const auto frame = source.recording.frame(i)) {
-        bounds.add(visible_bounds(**frame));
-      }
-    }
-    camera = standard_camera(*standard_view(name), bounds, kViewWidth, kViewHeight);
-  }
+  Framing framing(start);
   const RecordingInfo& info = source.recording.info();
   const double begin = source.options.at.value_or(info.start);
   const double end = source.options.at.value_or(info.end);
@@ -225,9 +215,12 @@ Result<> view_pictures(PictureSource& source, const std::string& name, const Fra
     const auto frame = source.recording.frame(source.recording.index_at(time));
     if (!frame) return tl::unexpected(frame.error());
     RenderRequest request;
-    request.camera = saved == nullptr ? *camera
-                                      : make_camera(view_pose(**frame, *saved), kViewWidth,
-                                                    kViewHeight, saved->fov);
+    request.camera =
+        saved == nullptr
+            ? standard_camera(*standard_view(name), framing.follow(**frame), kViewWidth,
+                              kViewHeight)
+            : make_camera(view_pose(**frame, *saved), kViewWidth, kViewHeight, saved->fov);
+    request.illustrated = true;
     const auto picture = rendered(source, **frame, request);
     if (!picture) return tl::unexpected(picture.error());
     if (auto done = save(source, *picture, name, i + 1); !done) return done;
@@ -268,8 +261,9 @@ Result<> render(PictureSource& source) {
     auto done = camera ? camera_pictures(source, *camera) : view_pictures(source, name, **start);
     if (!done) return done;
   }
-  std::fputs(fmt::format("{} pictures in {}\n", source.pictures, source.options.output).c_str(),
-             stderr);
+  std::fputs(
+      fmt::format("{} pictures in {}\n", source.pictures, one_line(source.options.output)).c_str(),
+      stderr);
   return {};
 }
 

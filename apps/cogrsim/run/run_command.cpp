@@ -111,11 +111,12 @@ class SceneRun {
   int run() {
     add_input(options_.scene.scene);
     if (!options_.from.empty()) add_input(options_.from);
-    if (!options_.json.empty())
-      if (const auto writable = check_writable(options_.json, OutputKind::json); !writable)
-        return refuse(writable.error());
+    const std::vector<std::pair<std::string, OutputKind>> outputs = {
+        {options_.json, OutputKind::json}};
+    if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
     catch_interrupts();
     if (const auto failed = start()) return deliver(options_, result_, *failed);
+    if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
     if (const auto failed = attach_outputs()) return deliver(options_, result_, *failed);
     bool saved_all = true;
     const RunStatus status = simulate(saved_all);

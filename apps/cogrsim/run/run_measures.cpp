@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/units.h"
 #include "cogrsim/signals/condition.h"
 #include "cogrsim/signals/signal.h"
 #include "common/model_names.h"
@@ -120,8 +121,7 @@ struct RunMeasures::Sample {
     using Take = MeasureModel::Take;
     if (model.take == Take::first_time) return "s";
     const std::string& own = parsed.signal.unit();
-    if (model.take != Take::integral) return own;
-    return own.empty() ? "" : own == "1" ? "s" : own + "*s";
+    return model.take == Take::integral ? units::combined_unit(own, '*', "s") : own;
   }
 };
 

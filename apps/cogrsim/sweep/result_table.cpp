@@ -32,12 +32,10 @@ ResultTable::Cell cell_from(std::string text) {
 }
 
 Result<ResultTable> read_sqlite(const std::string& path) {
-  sqlite3* db = nullptr;
-  const int status = sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READONLY, nullptr);
+  const auto opened = open_database(path, false);
+  if (!opened) return tl::unexpected(opened.error());
+  sqlite3* const db = *opened;
   const std::unique_ptr<sqlite3, int (*)(sqlite3*)> owner(db, sqlite3_close);
-  if (status != SQLITE_OK) {
-    return fail(fmt::format("cannot open '{}': {}", path, sqlite3_errmsg(db)));
-  }
   std::map<std::string, std::string> units = {{"end_time", "s"}, {"wall_time", "s"}};
   Statement columns(db, "SELECT name, unit FROM columns");
   while (columns && columns.row()) units[columns.text(0)] = columns.text(1);

@@ -1,8 +1,9 @@
-// A thin hold on SQLite's statements.
+// A thin hold on SQLite's databases and statements.
 #pragma once
 
 #include <sqlite3.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -22,12 +23,23 @@ inline std::string quoted(const std::string& name) {
   return out + "\"";
 }
 
+/// Opens the table of a study, which a stranger may have made: nothing that it has beside rows is run.
+/// To be closed by sqlite3_close(). Errors: it is no database, or `runs` and the like are views or
+/// virtual tables.
+Result<sqlite3*> open_database(const std::string& path, bool writes);
+
+/// One that takes longer than a minute is interrupted, which is an error.
 class Statement {
  public:
   Statement(sqlite3* db, const std::string& sql) : db_(db) {
+    constexpr int kStepsBetween = 100'000;  // of SQLite's machine, some milliseconds
+    sqlite3_progress_handler(db, kStepsBetween, is_late, this);
     good_ = sqlite3_prepare_v2(db, sql.c_str(), -1, &statement_, nullptr) == SQLITE_OK;
   }
-  ~Statement() { sqlite3_finalize(statement_); }
+  ~Statement() {
+    sqlite3_progress_handler(db_, 0, nullptr, nullptr);
+    sqlite3_finalize(statement_);
+  }
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
@@ -67,7 +79,10 @@ class Statement {
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
 
  private:
+  static int is_late(void* statement);
   sqlite3* db_;
+  std::chrono::steady_clock::time_point deadline_ =
+      std::chrono::steady_clock::now() + std::chrono::minutes(1);
   sqlite3_stmt* statement_ = nullptr;
   bool good_ = false;
   int status_ = SQLITE_OK;

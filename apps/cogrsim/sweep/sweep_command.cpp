@@ -66,7 +66,7 @@ int dry_run(const SweepPlan& plan) {
   std::string text;
   for (const SweepCase& one : plan.cases) {
     const bool done = there->count(plan.key(one)) > 0;
-    text += (done ? "done  " : "      ") + plan.title(one) + "\n";
+    text += (done ? "done  " : "      ") + one_line(plan.title(one)) + "\n";
   }
   text += fmt::format("{} runs, {} of them done\n", plan.cases.size(), there->size());
   if (const auto printed = print_output(text); !printed) return refuse(printed.error());
@@ -185,9 +185,10 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
   const auto counts = table->counts();
   const std::size_t done = before + added;
   std::string text = fmt::format("{}: {} of {} runs done, {} good, {} not; {} runs took {}\n",
-                                 plan.scene_name, done, plan.cases.size(), counts.good,
+                                 one_line(plan.scene_name), done, plan.cases.size(), counts.good,
                                  counts.failed, added, elapsed_text(seconds_since(start)));
-  text += fmt::format("  {0}/{1}\n  {0}/{2}\n", plan.options.output, kTableName, kCsvName);
+  text +=
+      fmt::format("  {0}/{1}\n  {0}/{2}\n", one_line(plan.options.output), kTableName, kCsvName);
   if (const auto printed = print_output(text); !printed) return refuse(printed.error());
   if (done < plan.cases.size()) {
     print_warning("interrupted: the same command resumes where this one ended");

@@ -111,10 +111,9 @@ Result<SweepTable> SweepTable::open(const SweepPlan& plan) {
     if (auto allowed = check_writable(path, kind); !allowed) return tl::unexpected(allowed.error());
   }
   const bool there = fs::exists(table.path_);
-  if (sqlite3_open(table.path_.c_str(), &table.db_) != SQLITE_OK) {
-    return fail(fmt::format("cannot open '{}': {}", table.path_, sqlite3_errmsg(table.db_)));
-  }
-  sqlite3_busy_timeout(table.db_, 5000);
+  const auto opened = open_database(table.path_, true);
+  if (!opened) return tl::unexpected(opened.error());
+  table.db_ = *opened;
   // A database of something else is left as it is.
   if (there) {
     Statement foreign(table.db_,
@@ -145,10 +144,9 @@ Result<std::set<std::string>> SweepTable::peek(const SweepPlan& plan) {
   table.folder_ = plan.options.output;
   table.path_ = (fs::path(table.folder_) / kTableName).string();
   if (!fs::exists(table.path_)) return std::set<std::string>();
-  if (sqlite3_open_v2(table.path_.c_str(), &table.db_, SQLITE_OPEN_READONLY, nullptr) !=
-      SQLITE_OK) {
-    return fail(fmt::format("cannot open '{}': {}", table.path_, sqlite3_errmsg(table.db_)));
-  }
+  const auto opened = open_database(table.path_, false);
+  if (!opened) return tl::unexpected(opened.error());
+  table.db_ = *opened;
   if (auto good = table.read_existing(plan); !good) return tl::unexpected(good.error());
   return table.done_;
 }

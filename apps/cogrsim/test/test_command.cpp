@@ -146,8 +146,8 @@ void plan(const std::string& file, const TestCommandOptions& options,
 void show(const TestCase& one, const TestCommandOptions& options, const Style& style) {
   const bool good = one.passed();
   std::string text = fmt::format("{}{}{}  {}: {}  {}\n", good ? style.green : style.red,
-                                 good ? "ok  " : "FAIL", style.off, printable(one.scene),
-                                 printable(one.title()), elapsed_text(one.wall_time));
+                                 good ? "ok  " : "FAIL", style.off, one_line(one.scene),
+                                 one_line(one.title()), elapsed_text(one.wall_time));
   text += printable(errors_text(one) + failure_text(one, options));
   static_cast<void>(print_output(text));
 }

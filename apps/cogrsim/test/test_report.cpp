@@ -13,7 +13,7 @@ namespace {
 // XML 1.0 takes no control characters but tab and newline, and attributes no newline as it is.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : html_escaped(printable(text))) {
+  for (const char c : html_escaped(text)) {
     if (c == '\n') {
       out += "&#10;";
     } else {
@@ -84,6 +84,7 @@ std::string failure_text(const TestCase& one, const TestCommandOptions& options)
     if (!verdict["passed"].get<bool>()) out += indented(verdict["text"].get<std::string>());
   for (const Json& file : one.result["recordings"])
     out += "  recording: " + file.get<std::string>() + "\n";
+  if (options.out.empty()) out += "  no recording: --out DIR keeps one of each failed case\n";
   if (one.result.contains("unrecorded"))
     out += indented("no recording: " + one.result["unrecorded"].get<std::string>());
   return out + "  again: " + again(one, options) + "\n";

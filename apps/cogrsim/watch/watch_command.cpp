@@ -230,7 +230,7 @@ std::string shown(const std::string& path) {
   std::error_code fault;
   const fs::path from_here = fs::path(path).lexically_relative(fs::current_path(fault));
   const bool below = !fault && !from_here.empty() && *from_here.begin() != fs::path("..");
-  return printable(below ? from_here.string() : path);
+  return one_line(below ? from_here.string() : path);
 }
 
 std::string list_of(const std::vector<std::string>& paths) {

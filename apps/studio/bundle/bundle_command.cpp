@@ -88,7 +88,7 @@ std::string ending_of(RunStatus status, const std::vector<RunMessage>& said) {
   return says_so ? error->message : text + ": " + error->message;
 }
 
-Gathered run_scene(const BundleOptions& options) {
+Gathered run_scene(const BundleOptions& options, const std::string& output) {
   Gathered out;
   const cli::SceneOptions& source = options.source.source;
   std::error_code missing;
@@ -110,7 +110,12 @@ Gathered run_scene(const BundleOptions& options) {
   compile.plugins = &catalog;
   dsl::OutlinedScene scene = dsl::compile_outlined(*text, source.scene, compile);
   cli::print_diagnostics(scene.result.diagnostics);
+  for (const std::string& read : scene.result.files_read) cli::add_input(read);
   if (!scene.result.ok()) return out;
+  if (auto good = cli::check_writable(output, OutputKind::html); !good) {
+    cli::refuse(good.error());
+    return out;
+  }
   const SceneModelPtr model = scene.result.model;
   const double step = options.source.step > 0.0 ? options.source.step : model->physics.step;
   const double duration = cli::duration_of(*model, source);
@@ -256,7 +261,7 @@ int bundle_command(const BundleOptions& options) {
   if (auto good = cli::check_writable(output, OutputKind::html); !good) {
     return cli::refuse(good.error());
   }
-  Gathered run = cli::is_recording(file) ? read_recording(options) : run_scene(options);
+  Gathered run = cli::is_recording(file) ? read_recording(options) : run_scene(options, output);
   if (!run.samples) return run.status;
   RunSamples& samples = *run.samples;
   run.about.file = file;
@@ -272,10 +277,10 @@ int bundle_command(const BundleOptions& options) {
   for (const std::string& what : left_out) cli::print_warning("left out: " + what);
   const auto& all = samples.samples();
   const std::string summary =
-      fmt::format("{}: {}, {} frames from {} to {}, {} curves, {} figures\n",
-                  cli::printable(output), size_text(page.size()), all.size(),
-                  cli::time_text(all.front().time), cli::time_text(all.back().time),
-                  samples.curves(all.back().scene).curves.size(), samples.figures().size());
+      fmt::format("{}: {}, {} frames from {} to {}, {} curves, {} figures\n", cli::one_line(output),
+                  size_text(page.size()), all.size(), cli::time_text(all.front().time),
+                  cli::time_text(all.back().time), samples.curves(all.back().scene).curves.size(),
+                  samples.figures().size());
   std::fputs(summary.c_str(), stderr);
   return run.status;
 }

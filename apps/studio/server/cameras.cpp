@@ -165,6 +165,7 @@ std::optional<Cameras::Job> Cameras::next_job() {
 Result<RenderRequest> Cameras::request_of(const Wish& wish, const Frame& frame) const {
   RenderRequest request;
   const SceneModel& model = *frame.model;
+  request.illustrated = true;
   if (wish.name.empty()) {
     request.camera = wish.pose ? make_camera(*wish.pose, wish.width, wish.height, wish.fov)
                                : standard_camera(StandardView::iso, visible_bounds(frame),

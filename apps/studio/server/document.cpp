@@ -187,7 +187,7 @@ void DocumentRequests::answer(const Request& request, const Reply& reply) {
     publish(document_json(false));
     publish(tree_topic());
     publish(problems_topic());
-    if (good_) show();
+    show();
   } else if (compile_seconds_ > kNoticed && !queue_->next_changes_text()) {
     publish(document_json(true));
   }
@@ -234,7 +234,7 @@ void DocumentRequests::compile() {
   publish(document_json(false));
   publish(tree_topic());
   publish(problems_topic());
-  if (good_) show();
+  show();
 }
 
 void DocumentRequests::take_in(dsl::OutlinedScene scene) {
@@ -246,14 +246,23 @@ void DocumentRequests::take_in(dsl::OutlinedScene scene) {
 }
 
 void DocumentRequests::show() {
+  if (good_) {
+    was_good_ = true;
+    show(scene_);
+  } else if (const auto rest = was_good_ ? std::nullopt : without_missing_plugins()) {
+    show(*rest);
+  }
+}
+
+void DocumentRequests::show(const dsl::OutlinedScene& from) {
   Scene scene;
-  scene.model = scene_.result.model;
+  scene.model = from.result.model;
   scene.origins.version = version_;
   if (built_) scene.plugin_folders = loader_->folders();
-  const auto take = [](const std::vector<dsl::Origin>& from, std::vector<Origins::Origin>& to) {
-    for (const dsl::Origin& origin : from) to.push_back({origin.element, origin.own});
+  const auto take = [](const std::vector<dsl::Origin>& given, std::vector<Origins::Origin>& to) {
+    for (const dsl::Origin& origin : given) to.push_back({origin.element, origin.own});
   };
-  const dsl::ModelOrigins& origins = scene_.origins;
+  const dsl::ModelOrigins& origins = from.origins;
   take(origins.bodies, scene.origins.bodies);
   take(origins.assemblies, scene.origins.assemblies);
   take(origins.joints, scene.origins.joints);

@@ -83,7 +83,11 @@ class DocumentRequests final : public Document {
   void changed(ClientId by);
   void compile();
   void take_in(dsl::OutlinedScene scene);
+  /// What the text gives. If none has been good yet: what can be seen without missing plugins.
   void show();
+  void show(const dsl::OutlinedScene& from);
+  /// The scene without what names a plugin that is not found; nullopt: that is not all that is wrong.
+  std::optional<dsl::OutlinedScene> without_missing_plugins();
   dsl::CompileOptions compile_options();
   Json document_json(bool compiling) const;
   Json tree_topic() const;
@@ -135,7 +139,7 @@ class DocumentRequests final : public Document {
   std::uint64_t version_ = 1;
   ClientId by_ = 0;
   bool stale_ = true;  ///< the text is newer than scene_
-  bool good_ = false;
+  bool good_ = false, was_good_ = false;  ///< this text, any text before it
   dsl::OutlinedScene scene_;  ///< of the text compiled last
   std::uint64_t scene_version_ = 0;
   std::vector<Diagnostic> refused_;  ///< what the engine said of it

@@ -13,7 +13,7 @@
 namespace cogrsim::studio {
 
 /// What `hello` answers: goes up with every change that an older page does not understand.
-constexpr int kProtocol = 3;
+constexpr int kProtocol = 4;
 
 /// Of the numbers in a field, and of its list.
 struct FieldBounds {

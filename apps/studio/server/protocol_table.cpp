@@ -54,7 +54,7 @@ const std::vector<ProtocolRequest>& protocol_requests() {
         {"role", "\"operator\" | \"viewer\""},
         {"client", "integer"},
         {"version", "string"},
-        {"kind", "\"scene\" | \"recording\" | \"bundle\""},
+        {"kind", "\"scene\" | \"recording\" | \"bundle\" | \"start\""},
         {"file", "string"},
         {"allow_build", "boolean"},
         {"assets?", "string", "where textures are: `/asset/SECRET/`"},
@@ -62,6 +62,26 @@ const std::vector<ProtocolRequest>& protocol_requests() {
        "comes first; may have fields that the server does not know. A page of another protocol "
        "loads "
        "itself again, once. Afterwards every topic is sent once"},
+
+      {"start",
+       Section::start,
+       kOperators,
+       {{"folder?", "string", "below the studio's folder, whose files are listed", "\"\""}},
+       {{"folder", "string", "the studio's own, absolute"},
+        {"recent", "string[]", "absolute"},
+        {"files", "StartFile[]"},
+        {"examples", "string[]"},
+        {"robots", "string[]"}},
+       "what can be opened; only while nothing is, with `kind` \"start\""},
+      {"start-open",
+       Section::start,
+       kOperators,
+       {{"what", "\"open\" | \"new\" | \"example\" | \"robot\" | \"import\""},
+        {"name", "string", "as `start` lists it; of a new scene or a dropped model: a file name"},
+        {"text?", "string", "new, import: what the file holds", "\"\""}},
+       {{"file", "string"}},
+       "examples are copied into the studio's folder, robots get a scene there, models of other "
+       "formats are imported into one. Then the file is served: pages load themselves again"},
 
       {"play",
        kRun,
@@ -536,6 +556,12 @@ const std::vector<ProtocolType>& protocol_types() {
        {{"name", "string"},
         {"kind?", "\"color\" | \"depth\" | \"segmentation\"", "", "\"color\""},
         {"width?", "integer", "[pixel]", "320", within(16, 2048)}}},
+
+      {"StartFile",
+       "",
+       {{"name", "string", "relative to the studio's folder"},
+        {"kind", "\"folder\" | \"scene\" | \"recording\" | \"model\"",
+         "model: URDF, SDF or MJCF, by its ending"}}},
 
       // The scene
       {"ShapeType",

@@ -122,6 +122,7 @@ std::string types_table() {
 
 std::string table_named(const std::string& name) {
   if (name == "session") return requests_table(Section::session);
+  if (name == "start") return requests_table(Section::start);
   if (name == "run") return requests_table(Section::run);
   if (name == "numbers") return requests_table(Section::numbers);
   if (name == "document") return requests_table(Section::document);

@@ -12,8 +12,8 @@ namespace cogrsim::studio {
 namespace {
 
 /// A plane has no end: it is drawn so many times as large as the rest of the scene, and at least so
-/// large [m].
-constexpr double kPlaneShare = 8.0, kPlaneLeast = 40.0;
+/// large [m]; the page lets it fade into the sky long before.
+constexpr double kPlaneShare = 400.0, kPlaneLeast = 4000.0;
 
 /// Short in text, exact enough to be drawn [m].
 double shortened(double v) { return std::round(v * 1e6) / 1e6; }
@@ -186,7 +186,8 @@ class SceneWriter {
         break;
     }
     const Material& material = model_.materials[s.material];
-    out["color"] = color_json(shown_color(model_, body, s));
+    out["color"] = color_json(s.type == ShapeType::plane ? floor_color(model_, body, s)
+                                                         : shown_color(model_, body, s));
     const auto texture = assets_.find(material.texture);
     out["texture"] =
         material.texture.empty() || texture == assets_.end() ? "" : std::to_string(texture->second);

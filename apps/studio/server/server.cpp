@@ -23,6 +23,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "cogrsim/core/shown_text.h"
 #include "http.h"
 #include "kept_tokens.h"
 #include "mailbox.h"
@@ -482,7 +483,7 @@ Result<> Server::Impl::make_secrets() {
                  : tl::unexpected<Error>(std::move(ready.error()));
     if (!kept) {
       fmt::print(stderr, "warning: pages will not find the studio again after a restart: {}\n",
-                 kept.error().text());
+                 paragraph(kept.error().text()));
       options.tokens.clear();
     }
   }
@@ -589,7 +590,7 @@ void Server::run(Inbox& inbox) {
       break;
     } catch (const std::exception& e) {
       // Memory, most likely: this client gets no answer, the others continue.
-      fmt::print(stderr, "warning: a request failed: {}\n", message_of(e));
+      fmt::print(stderr, "warning: a request failed: {}\n", paragraph(message_of(e)));
     }
   }
   impl_->over = true;

@@ -13,26 +13,6 @@
 namespace cogrsim::studio {
 namespace {
 
-// Nesting is counted before parsing, since the parser is recursive.
-bool too_deep(const std::string& text, std::size_t limit) {
-  std::size_t depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      if (c == '"') quoted = false;
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > limit) return true;
-    } else if ((c == ']' || c == '}') && depth > 0) {
-      --depth;
-    }
-  }
-  return false;
-}
-
 std::string dumped(const Json& message) {
   // Logs and names may hold bytes that are no UTF-8.
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -174,8 +154,8 @@ struct Studio::Impl : std::enable_shared_from_this<Impl> {
     const std::size_t bytes = text.size();
     Json fields;
     Result<void> good = tl::unexpected<Error>(Error("the request is not well-formed JSON"));
-    if (too_deep(text, limits.depth)) {
-      good = fail(fmt::format("the request is nested deeper than {}", limits.depth));
+    if (const std::string excess = json_excess(text, limits.json); !excess.empty()) {
+      good = fail("the request " + excess);
     } else {
       fields = Json::parse(text, nullptr, false);
       if (!fields.is_discarded()) good = {};
@@ -309,7 +289,7 @@ void Studio::received(ClientId client, std::string text) {
   if (!busy) return impl_->put({Impl::Event::Kind::received, client, role, std::move(text)});
   // Its id, if it is short enough to be read here: the network waits meanwhile.
   Json id;
-  if (text.size() <= 4096 && !too_deep(text, impl_->limits.depth)) {
+  if (text.size() <= 4096 && json_excess(text, impl_->limits.json).empty()) {
     const Json fields = Json::parse(text, nullptr, false);
     if (fields.is_object() && fields.contains("id") && fields["id"].is_number_integer()) {
       id = fields["id"];

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/core/json_bounds.h"
 #include "talk.h"
 
 namespace cogrsim::studio {
@@ -27,7 +28,7 @@ class Studio final : public Inbox {
   struct Limits {
     std::size_t requests = 256;     ///< without an answer yet
     std::size_t bytes = 64u << 20;  ///< of their texts
-    std::size_t depth = 64;         ///< of arrays and objects in one another
+    JsonBounds json;
   };
 
   /// `parts`, asked in this order, `asset` and `outbox` outlive the studio.

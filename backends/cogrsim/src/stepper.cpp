@@ -130,12 +130,14 @@ void Stepper::detect(double h) {
     if (links[i].plan.shadow || detector_.bounding_radius(body) == 0.0) continue;
     Placement X = motions[i].X;
     const Vec3 offset = 0.5 * h * motions[i].velocity_at(X * links[i].com);
+    double rest = 0.5 * h;
     if (offset.norm() > detector_.thinness(body)) {
       offsets_.resize(model_.bodies.size(), Vec3::Zero());
       offsets_[std::size_t(body)] = offset;
       X.p -= offset;
+      rest = h;
     }
-    detector_.set_pose(body, X, margins_[i]);
+    detector_.set_pose(body, X, margins_[i], rest * motions[i].linear, rest * motions[i].angular);
   }
   detector_.detect(points_, options_.pool.get());
   if (offsets_.empty()) return;

@@ -233,14 +233,14 @@ void Stepper::remember(double h) {
         for (std::size_t i = first; i < end; ++i) remember_contact(h, i, out);
       });
   memory.udot = (1.0 / h) * (end_u_ - u0_);
-  // An impact's acceleration lasts no further step: what it met is carried to the next middle by its
-  // speed alone.
+  // An impact's acceleration lasts no further step: what it met is carried to the next middle by the smooth
+  // one, which has its gyroscopic terms.
   const auto forget_impact = [&](int index) {
     const Row& row = set_.rows[std::size_t(index)];
     if (!row.hits || row.lambda <= 0.0) return;
     for (int s = 0; s < row.sides; ++s)
       for (int u : mechanism_.components()[std::size_t(row.side[s].component)].speeds)
-        memory.udot[u] = 0.0;
+        memory.udot[u] = udot_[u];
   };
   for (const int row : set_.scalars) forget_impact(row);
   for (std::size_t i = 0; i < count; ++i) {

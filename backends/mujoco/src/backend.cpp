@@ -47,12 +47,9 @@ Capabilities make_capabilities() {
           "a soft constraint, see solrefequality; its effort is not reported");
   for (const char* loop : {"loop.hinge", "loop.ball", "loop.fixed"})
     out.set(loop, Support::approximate, "held by a soft constraint, see solrefequality");
-  for (const char* mode : {"velocity", "position", "servo", "dc"}) {
-    out.set(
-        std::string("motor.") + mode, Support::approximate,
-        "an explicit actuator: its gain is at most what stops the axis in a step, and lags by load "
-        "over gain");
-  }
+  out.set_all({"motor.velocity", "motor.position"}, Support::approximate,
+              "an explicit actuator with the gain that stops the axis in a step: lags by load over "
+              "gain");
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
   out.set("contact.surface-velocity", Support::unsupported,
@@ -102,12 +99,12 @@ class MujocoBackend final : public Backend {
     engine(StepStage::narrow_phase, "mj_collision: mjCOLLISIONFUNC");
     engine(StepStage::contact_memory, "mjData::qacc_warmstart");
     engine(StepStage::contact_law, "mj_makeConstraint, " + solve);
-    engine(StepStage::friction, "mj_makeConstraint, " + solve);
+    engine(StepStage::friction, "mj_makeConstraint (damping of bounces by CogRSim), " + solve);
     engine(StepStage::restitution, "solref of a damped spring");
     engine(StepStage::joints, "mjModel's joints, loops by mjEQ_CONNECT and mjEQ_WELD");
     engine(StepStage::limits, "mjCNSTR_LIMIT_JOINT, " + solve);
     engine(StepStage::motors,
-           "mj_fwdActuation (gains by CogRSim), mj_passive, mjCNSTR_FRICTION_DOF");
+           "mj_fwdActuation, mj_passive (stiff gains by CogRSim), mjCNSTR_FRICTION_DOF");
     engine(StepStage::integrator, integrator == "RK4" ? "mj_RungeKutta" : "mj_" + integrator);
     return out;
   }

@@ -13,6 +13,32 @@ void on_error(const char* message) {
   throw EngineError(message);
 }
 
+/// Called by MuJoCo before it looks for forces. The solref of contacts that bounce has next to no
+/// damping, by which friction would not act on what slides: its rows get the damping of others,
+/// whose solref our models have in options that are unused without the flag `override`.
+void keep_friction(const mjModel* m, mjData* d) {
+  const mjtNum* const usual = m->opt.o_solref;
+  for (int i = 0; i < (m->opt.o_margin < 0 ? d->ncon : 0); ++i) {
+    const mjContact& it = d->contact[i];
+    if (it.efc_address < 0 || it.dim == 1 || it.solref[0] == usual[0]) continue;
+    const mjtNum wanted = usual[0] > 0
+                              ? 2 / (it.solimp[1] * std::max(usual[0], 2 * m->opt.timestep))
+                              : -usual[1] / it.solimp[1];
+    const mjtNum missing = std::max(0.0, wanted - d->efc_KBIP[4 * it.efc_address + 1]);
+    mjtNum* const aref = d->efc_aref + it.efc_address;
+    const mjtNum* const vel = d->efc_vel + it.efc_address;
+    for (int k = 0; k + 1 < it.dim; ++k) {
+      if (d->efc_type[it.efc_address] == mjCNSTR_CONTACT_ELLIPTIC) {
+        aref[k + 1] -= missing * vel[k + 1];
+        continue;
+      }
+      const mjtNum slip = (vel[2 * k] - vel[2 * k + 1]) / 2;  // times the friction
+      aref[2 * k] -= missing * slip;
+      aref[2 * k + 1] += missing * slip;
+    }
+  }
+}
+
 void on_warning(const char*) {}  // mjData::warning counts them, and is read after each step
 
 }  // namespace
@@ -20,6 +46,7 @@ void on_warning(const char*) {}  // mjData::warning counts them, and is read aft
 void install_handlers() {
   mju_user_error = on_error;
   mju_user_warning = on_warning;
+  mjcb_control = keep_friction;
 }
 
 Result<ModelOwner> compile(const std::string& mjcf) {

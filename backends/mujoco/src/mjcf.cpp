@@ -11,8 +11,8 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/hull_faces.h"
-#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/body_trees.h"
 
 namespace cogrsim::mujoco {
 
@@ -65,10 +65,8 @@ class Writer {
   Program& out_;
   const SceneModel& scene_;
   std::string assets_, bodies_, contacts_, equalities_, tendons_, actuators_;
-  std::vector<int> tree_;                   ///< by body, joint that holds it; -1: none
-  std::vector<int> parent_;                 ///< by body, parent body in the tree; kWorld
-  std::vector<std::vector<int>> children_;  ///< by body
-  std::vector<char> own_mujoco_body_;       ///< by static body: MuJoCo has it as a body
+  BodyTrees trees_;
+  std::vector<char> own_mujoco_body_;  ///< by static body: MuJoCo has it as a body
   std::vector<SurfaceGeom> surface_geoms_;
 };
 
@@ -112,52 +110,12 @@ Result<> Writer::check_loop(const Joint& joint) const {
 }
 
 void Writer::grow_trees() {
-  tree_.assign(size(), -1);
-  parent_.assign(size(), kWorld);
-  children_.assign(size(), {});
-  std::vector<std::vector<int>> joints(size() + 1);  // by body; the world is the last
-  const auto at = [&](int b) { return b == kWorld ? size() : static_cast<std::size_t>(b); };
-  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-    const Joint& it = scene_.joints[j];
-    if (it.removed || it.closes_loop || it.type == JointType::free) continue;
-    if (out_.references[j].attached) continue;
-    joints[at(it.parent)].push_back(static_cast<int>(j));
-    joints[at(it.child)].push_back(static_cast<int>(j));
-  }
-  std::vector<char> reached(size() + 1);
-  const auto spread = [&](int root) {
-    std::vector<int> rim = {root};
-    while (!rim.empty()) {
-      const int from = rim.back();
-      rim.pop_back();
-      for (const int j : joints[at(from)]) {
-        const int to = joint(j).parent == from ? joint(j).child : joint(j).parent;
-        if (reached[at(to)]) continue;
-        reached[at(to)] = 1;
-        tree_[at(to)] = j;
-        parent_[at(to)] = from;
-        rim.push_back(to);
-      }
-    }
-  };
-  reached[size()] = 1;
-  for (std::size_t b = 0; b < size(); ++b)
-    reached[b] = scene_.bodies[b].removed || grounded(static_cast<int>(b));
-  spread(kWorld);
+  trees_ = grow_body_trees(scene_, [&](std::size_t j) { return out_.references[j].attached; });
   for (std::size_t b = 0; b < size(); ++b) {
-    if (!scene_.bodies[b].removed && grounded(static_cast<int>(b))) spread(static_cast<int>(b));
-  }
-  for (std::size_t b = 0; b < size(); ++b) {
-    if (reached[b]) continue;
-    reached[b] = 1;
-    spread(static_cast<int>(b));
-  }
-  for (std::size_t b = 0; b < size(); ++b) {
-    if (tree_[b] < 0) continue;
-    if (parent_[b] != kWorld) children_[parent_[b]].push_back(static_cast<int>(b));
-    TreeJoint& in_tree = out_.joints[tree_[b]];
+    if (trees_.joint[b] < 0) continue;
+    TreeJoint& in_tree = out_.joints[trees_.joint[b]];
     in_tree.body = 0;  // known when it is compiled
-    in_tree.reversed = joint(tree_[b]).parent == static_cast<int>(b);
+    in_tree.reversed = joint(trees_.joint[b]).parent == static_cast<int>(b);
   }
 }
 
@@ -171,7 +129,7 @@ void Writer::find_exclusions() {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   own_mujoco_body_.assign(size(), 0);
-  for (std::size_t b = 0; b < size(); ++b) own_mujoco_body_[b] = !children_[b].empty();
+  for (std::size_t b = 0; b < size(); ++b) own_mujoco_body_[b] = !trees_.children[b].empty();
   for (const auto& [a, b] : pairs) {
     if (body(a).removed || body(b).removed || filter.collide(a, b)) continue;
     if (grounded(a) && grounded(b)) continue;  // by contype and conaffinity
@@ -279,71 +237,38 @@ Result<> Writer::write_geoms(int b, const Pose& X_WB) {
 void Writer::write_joint(int j) {
   const Joint& it = joint(j);
   TreeJoint& in_tree = out_.joints[j];
-  const Reference& at = out_.references[j];
   const bool back = in_tree.reversed;
-  // Of the moved body's joint frame N, that of M or of F, and of the other one in it.
+  // The moved body's joint frame, where all coordinates are zero that of M and of F.
   const Pose& X_BN = back ? it.X_PF : it.X_CM;
   const bool ball = it.type == JointType::ball;
-  const Pose X_FM = ball || it.type == JointType::fixed ? Pose() : joint_pose(it, at.q.data());
-  const double sign = back ? -1.0 : 1.0;
-  // An axis that the scene fixes in F (`first`) or in M; both where they share it.
-  const auto along = [&](const Vec3& axis, bool first) -> Vec3 {
-    if (back) return cleaned(X_BN.q * (first ? axis : Vec3(X_FM.q * axis))) * sign;
-    return cleaned(X_BN.q * (first ? Vec3(X_FM.q.conjugate() * axis) : axis));
+  const auto along = [&](const Vec3& axis) -> Vec3 {
+    return cleaned(X_BN.q * axis) * (back ? -1.0 : 1.0);
   };
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
-  std::vector<Axis> axes;
-  switch (it.type) {
-    case JointType::fixed:
-    case JointType::free:
-      return;
-    case JointType::hinge:
-      axes = {{"hinge", 0, along(z, back)}};
-      break;
-    case JointType::slider:
-      axes = {{"slide", 0, along(z, back)}};
-      break;
-    case JointType::screw:
-      axes = {{"hinge", 0, along(z, back)}, {"slide", 0, along(z, back)}};
-      break;
-    case JointType::cylindrical:
-      axes = {{"hinge", 0, along(z, back)}, {"slide", 1, along(z, back)}};
-      break;
-    case JointType::universal:
-      axes = {{"hinge", 0, along(x, true)}, {"hinge", 1, along(y, false)}};
-      break;
-    case JointType::gimbal: {
-      // The second axis in M, before the third turns it.
-      const Vec3 second = Quat(Eigen::AngleAxisd(-at.q[2], z)) * y;
-      axes = {{"hinge", 0, along(x, true)},
-              {"hinge", 1, along(second, false)},
-              {"hinge", 2, along(z, false)}};
-      break;
-    }
-    case JointType::planar:
-      axes = {
-          {"slide", 0, along(x, true)}, {"slide", 1, along(y, true)}, {"hinge", 2, along(z, back)}};
-      break;
-    case JointType::ball:
-      axes = {{"ball", 0, z}};
-      break;
-  }
+  const auto turn = [&](int i, const Vec3& axis) { return Axis{"hinge", i, along(axis)}; };
+  const auto slide = [&](int i, const Vec3& axis) { return Axis{"slide", i, along(axis)}; };
+  using Axes = std::vector<Axis>;
+  Axes axes = it.type == JointType::hinge         ? Axes{turn(0, z)}
+              : it.type == JointType::slider      ? Axes{slide(0, z)}
+              : it.type == JointType::screw       ? Axes{turn(0, z), slide(0, z)}
+              : it.type == JointType::cylindrical ? Axes{turn(0, z), slide(1, z)}
+              : it.type == JointType::universal   ? Axes{turn(0, x), turn(1, y)}
+              : it.type == JointType::gimbal      ? Axes{turn(0, x), turn(1, y), turn(2, z)}
+              : it.type == JointType::planar      ? Axes{slide(0, x), slide(1, y), turn(2, z)}
+              : ball                              ? Axes{{"ball", 0, z}}
+                                                  : Axes{};
   // Seen from the child they come in the other order.
   if (back && (it.type == JointType::universal || it.type == JointType::gimbal))
     std::reverse(axes.begin(), axes.end());
   if (back && it.type == JointType::planar) std::rotate(axes.begin(), axes.begin() + 2, axes.end());
-  const Vec3 anchor = back ? Vec3(X_BN * X_FM.p) : X_BN.p;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const Axis& axis = axes[i];
     const bool slave = it.type == JointType::screw && i == 1;
     const double slope = it.pitch / (2.0 * kPi);
     if (!slave) in_tree.axis[axis.coordinate] = static_cast<int>(i);
     bodies_ += fmt::format("<joint name=\"j{}_{}\" type=\"{}\" pos=\"{}\" ", j, i, axis.type,
-                           text(anchor));
-    if (!ball) {
-      const double q = at.q[axis.coordinate];
-      bodies_ += fmt::format("axis=\"{}\" ref=\"{}\" ", text(axis.along), slave ? slope * q : q);
-    }
+                           text(X_BN.p));
+    if (!ball) bodies_ += fmt::format("axis=\"{}\" ", text(axis.along));
     const JointAxis& law = it.axes[axis.coordinate];
     if (!slave) {
       bodies_ += fmt::format(
@@ -365,23 +290,23 @@ Result<> Writer::write_body(int b) {
   const auto i = static_cast<std::size_t>(b);
   const Body& it = body(b);
   Pose X = it.kind == BodyKind::static_body ? out_.static_poses[i] : it.X_WB;
-  if (tree_[i] >= 0) {
-    const Reference& at = out_.references[tree_[i]];
-    X = joint(tree_[i]).child == b ? at.X_PC : at.X_PC.inverse();
-    if (parent_[i] != kWorld) X.p -= origin(parent_[i]);
+  if (trees_.joint[i] >= 0) {
+    const Reference& at = out_.references[trees_.joint[i]];
+    X = joint(trees_.joint[i]).child == b ? at.X_PC : at.X_PC.inverse();
+    if (trees_.parent[i] != kWorld) X.p -= origin(trees_.parent[i]);
   }
   if (it.kind == BodyKind::static_body && !own_mujoco_body_[i]) return write_geoms(b, X);
   X.p += X.q * origin(b);
   if (is_far(X)) X = Pose();  // about to diverge: the step reports it
   bodies_ += fmt::format("<body name=\"b{}\" pos=\"{}\" quat=\"{}\">\n", b, text(X.p), text(X.q));
-  if (tree_[i] >= 0) {
-    write_joint(tree_[i]);
+  if (trees_.joint[i] >= 0) {
+    write_joint(trees_.joint[i]);
   } else if (it.kind != BodyKind::static_body) {
     bodies_ += fmt::format("<freejoint name=\"f{}\"/>\n", b);
   }
   if (it.kind != BodyKind::static_body) bodies_ += inertial(b);
   if (auto written = write_geoms(b, {Vec3(-origin(b)), Quat(1, 0, 0, 0)}); !written) return written;
-  for (const int child : children_[i])
+  for (const int child : trees_.children[i])
     if (auto written = write_body(child); !written) return written;
   bodies_ += "</body>\n";
   return {};
@@ -412,7 +337,8 @@ void Writer::write_equality(int j) {
   }
 }
 
-// A tendon whose length is that of the joint less ratio times that of the others, held at the offset.
+// A tendon whose length is that of the joint less ratio times that of the others, held at the
+// offset: MuJoCo takes off its length in the reference, where all are zero.
 void Writer::write_couplings() {
   for (std::size_t k = 0; k < scene_.couplings.size(); ++k) {
     const Coupling& it = scene_.couplings[k];
@@ -420,15 +346,12 @@ void Writer::write_couplings() {
     terms.insert(terms.end(), it.terms.begin(), it.terms.end());
     const auto held = [&](const CouplingTerm& t) { return out_.joints[t.joint].body >= 0; };
     if (it.removed || !std::all_of(terms.begin(), terms.end(), held)) continue;
-    double length = -it.offset;  // that it has in the reference, which MuJoCo takes off
     tendons_ += fmt::format("<fixed name=\"t{}\">", k);
-    for (const CouplingTerm& t : terms) {
-      length -= t.ratio * out_.references[t.joint].q[0];
+    for (const CouplingTerm& t : terms)
       tendons_ += fmt::format("<joint joint=\"j{}_0\" coef=\"{}\"/>", t.joint, -t.ratio);
-    }
     tendons_ += "</fixed>\n";
-    equalities_ += fmt::format("<tendon tendon1=\"t{}\" polycoef=\"{} 0 0 0 0\" {}/>\n", k, -length,
-                               out_.options.equality);
+    equalities_ += fmt::format("<tendon tendon1=\"t{}\" polycoef=\"{} 0 0 0 0\" {}/>\n", k,
+                               it.offset, out_.options.equality);
   }
 }
 
@@ -455,14 +378,15 @@ Result<std::string> Writer::write() {
   grow_trees();
   out_.origins.assign(size(), Vec3::Zero());
   for (std::size_t b = 0; b < size(); ++b) {
-    if (tree_[b] < 0 && !grounded(static_cast<int>(b))) out_.origins[b] = scene_.bodies[b].com;
+    if (trees_.joint[b] < 0 && trees_.children[b].empty() && !grounded(static_cast<int>(b)))
+      out_.origins[b] = scene_.bodies[b].com;
   }
   find_exclusions();
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& it = scene_.bodies[b];
     if (it.removed) continue;
     out_.other_weights = out_.other_weights || it.gravity_scale != 1.0;
-    if (parent_[b] != kWorld) continue;
+    if (trees_.parent[b] != kWorld) continue;
     if (auto written = write_body(static_cast<int>(b)); !written)
       return tl::unexpected(written.error());
     if (it.kind == BodyKind::kinematic) out_.kinematic.push_back(static_cast<int>(b));
@@ -478,13 +402,16 @@ Result<std::string> Writer::write() {
   write_couplings();
   write_actuators();
   const Surfaces surfaces = choose_surfaces(scene_, out_.options, surface_geoms_);
+  // Its compiler makes a step, for which its own rule gives derivatives by the speeds too little
+  // stack.
+  const double stack = out_.options.implicit ? 2e4 + 120.0 * std::pow(double(size()) + 1.0, 2) : -1;
   return fmt::format(
       "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n"
-      "<size njmax=\"0\" nconmax=\"0\"/>\n<option {}><flag {}/></option>\n"
+      "<size njmax=\"0\" nconmax=\"0\" nstack=\"{:.0f}\"/>\n<option {}><flag {}/></option>\n"
       "<default>\n{}</default>\n<asset>\n{}</asset>\n<worldbody>\n{}</worldbody>\n"
       "<contact>\n{}{}</contact>\n<equality>\n{}</equality>\n<tendon>\n{}</tendon>\n"
       "<actuator>\n{}</actuator></mujoco>\n",
-      out_.options.option, out_.options.flag, surfaces.classes, assets_, bodies_, contacts_,
+      stack, out_.options.option, out_.options.flag, surfaces.classes, assets_, bodies_, contacts_,
       surfaces.pairs, equalities_, tendons_, actuators_);
 }
 

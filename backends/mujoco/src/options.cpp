@@ -94,6 +94,7 @@ Result<Options> read_options(const SceneModel& model) {
       return fail("'solimp" + about + "' must be five numbers", position);
   }
   Options out;
+  out.implicit = text("integrator") == "implicit";
   out.option =
       fmt::format("timestep=\"{}\" gravity=\"{}\" noslip_iterations=\"{}\"", model.physics.step,
                   numbers(model.physics.gravity.data(), 3), text("noslip-iterations"));
@@ -101,6 +102,8 @@ Result<Options> read_options(const SceneModel& model) {
        {"integrator", "solver", "cone", "jacobian", "iterations", "tolerance", "impratio"}) {
     out.option += fmt::format(" {}=\"{}\"", name, text(name));
   }
+  out.option +=
+      fmt::format(" o_margin=\"-1\" o_solref=\"{}\"", text("solref"));  // see keep_friction()
   out.flag = fmt::format("filterparent=\"disable\" multiccd=\"{}\"", text("multiccd"));
   out.solref = text("solref");
   out.contact = fmt::format("solimp=\"{}\" margin=\"{}\"", text("solimp"), text("margin"));

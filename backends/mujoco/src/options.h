@@ -13,12 +13,13 @@ const ParameterTable& world_option_table();
 
 /// Options in force, as MJCF.
 struct Options {
-  std::string option;    ///< attributes of <option>
-  std::string flag;      ///< attributes of <flag>
-  std::string solref;    ///< of contacts without restitution
-  std::string contact;   ///< other attributes of geoms and pairs
-  std::string joint;     ///< attributes of joints, solreflimit …
-  std::string equality;  ///< attributes of equalities
+  bool implicit = false;  ///< the integrator of this name
+  std::string option;     ///< attributes of <option>
+  std::string flag;       ///< attributes of <flag>
+  std::string solref;     ///< of contacts without restitution
+  std::string contact;    ///< other attributes of geoms and pairs
+  std::string joint;      ///< attributes of joints, solreflimit …
+  std::string equality;   ///< attributes of equalities
 };
 
 /// Errors, with source position: of complete_parameters(); lists of wrong length or mixed signs.

@@ -94,40 +94,51 @@ void complete_model(Program& out) {
   }
   if (out.kinematic.empty()) return;
   // The solver's tolerance goes by the mean inertia: that of what is moved by forces.
-  double sum = 0.0;
-  int count = 0;
+  double sum = 0.0, count = 0.0;
   for (int i = 0; i < m.nv; ++i) {
-    const int b = out.owners[m.dof_bodyid[i]];
-    if (scene.bodies[b].kind == BodyKind::kinematic) continue;
+    if (scene.bodies[out.owners[m.dof_bodyid[i]]].kind == BodyKind::kinematic) continue;
     sum += m.dof_M0[i];
     ++count;
   }
   if (count > 0) m.stat.meaninertia = sum / count;
 }
 
-/// Motors of one tree move each other's axes: where n explicit ones are, each of which could stop its
-/// own in one step, 2 / n of their gains is stable whatever the couplings.
-void share_gains(Program& out) {
+/// Program::crowds and implicit.
+Result<> find_crowds(Program& out) {
   const mjModel& m = *out.model;
-  const auto root_of = [&](int motor) {
-    return m.body_rootid[m.jnt_bodyid[m.actuator_trnid[2 * motor]]];
-  };
-  for (int i = 0; i < m.nu; ++i) {
-    double count = 0.0;
-    for (int k = 0; k < m.nu; ++k) count += root_of(k) == root_of(i) ? 1.0 : 0.0;
-    out.shares.push_back(std::min(1.0, 2.0 / count));
+  if (m.opt.integrator == mjINT_RK4) out.implicit = ImplicitPart::none;
+  if (m.opt.integrator == mjINT_IMPLICIT) out.implicit = ImplicitPart::all_damping;
+  out.crowds.assign(static_cast<std::size_t>(m.nv), 1.0);
+  if (m.nu == 0) return {};
+  const auto data = make_data(m);  // in the reference configuration
+  if (!data) return tl::unexpected(data.error());
+  for (const auto find : {mj_kinematics, mj_comPos, mj_crb, mj_factorM}) find(&m, data->get());
+  std::vector<int> dofs;
+  for (std::size_t i = 0; i < out.actuators.size(); ++i) {
+    const int a = out.actuators[i];
+    if (a >= 0 && may_have_gain(*out.scene, out.scene->motors[i]))
+      dofs.push_back(m.jnt_dofadr[m.actuator_trnid[2 * a]]);
   }
+  std::vector<double> column(m.nv);
+  for (const int i : dofs) {
+    std::fill(column.begin(), column.end(), 0.0);
+    column[i] = 1.0;
+    mj_solveM(&m, data->get(), column.data(), column.data(), 1);
+    out.crowds[i] = 0.0;
+    for (const int k : dofs)
+      out.crowds[i] += std::abs(column[k]) / std::sqrt(m.dof_invweight0[i] * m.dof_invweight0[k]);
+  }
+  return {};
 }
 
 Reference reference_of(const Joint& joint, const Pose& X_WP, const Pose& X_WC) {
+  const bool drawn_here = std::all_of(joint.position.begin(), joint.position.end(),
+                                      [](double q) { return settled(q) == 0.0; });
   Reference out;
-  if (joint.type == JointType::ball) {
-    out.X_PC = joint.X_PF * joint.X_CM.inverse();  // where its quaternion is one, as MuJoCo's is
-    return out;
-  }
-  out.X_PC = joint.parent == kWorld ? X_WC : X_WP.inverse() * X_WC;
-  if (joint.type == JointType::free) return out;
-  std::transform(joint.position.begin(), joint.position.end(), out.q.begin(), settled);
+  out.X_PC = joint.type == JointType::ball || (joint.type != JointType::free && !drawn_here)
+                 ? joint.X_PF * joint.X_CM.inverse()
+             : joint.parent == kWorld ? X_WC
+                                      : X_WP.inverse() * X_WC;
   return out;
 }
 
@@ -159,7 +170,15 @@ Result<ProgramPtr> make_program(const SceneModelPtr& scene, std::vector<Pose> po
   out->model = std::move(*model);
   find_indices(*out);
   complete_model(*out);
-  share_gains(*out);
+  if (auto found = find_crowds(*out); !found) return tl::unexpected(found.error());
+  out->warnings =
+      gain_warnings(*scene, "mujoco", [&](int j, int axis) -> std::optional<GainLimits> {
+        const TreeJoint& in_tree = out->joints[j];
+        if (in_tree.joint < 0) return std::nullopt;
+        const int dof = out->model->jnt_dofadr[in_tree.joint + in_tree.axis[axis]];
+        return GainLimits(out->implicit, scene->physics.step, out->model->dof_invweight0[dof],
+                          out->crowds[dof]);
+      });
   return ProgramPtr(std::move(out));
 }
 

@@ -119,32 +119,32 @@ Result<> MujocoWorld::change_to(const SceneModelPtr& next, SceneStep step) {
 }
 
 void MujocoWorld::set_drives(double dt, const std::vector<Drive>& drives) {
+  mjModel& m = *model_;
+  if (m.nu > 0) std::copy_n(program_->model->dof_damping, m.nv, m.dof_damping);
   for (std::size_t i = 0; i < program_->actuators.size(); ++i) {
     const int a = program_->actuators[i];
     if (a < 0) continue;
-    const Drive& drive = drives[i];
-    // MuJoCo's actuators are explicit: a gain beyond this would turn the axis back and forth.
     const auto k = static_cast<std::size_t>(a);
-    const double most = program_->shares[k] / (dt * responses_[k]);
-    double kp = 0.0, kd = most, bias = 0.0;
-    if (!drive.is_speed_source()) {
-      const double scale = std::min(1.0, most / (drive.kd + 0.5 * dt * drive.kp));
-      kp = scale * drive.kp;
-      kd = scale * drive.kd;
-      bias = drive.bias;
-    }
-    data_->ctrl[a] = bias + kp * drive.position + kd * drive.velocity;
-    model_->actuator_biasprm[mjNBIAS * a + 1] = -kp;
-    model_->actuator_biasprm[mjNBIAS * a + 2] = -kd;
-    model_->actuator_forcerange[2 * a] = -drive.max_effort;
-    model_->actuator_forcerange[2 * a + 1] = drive.max_effort;
+    const int joint = m.actuator_trnid[2 * a], dof = m.jnt_dofadr[joint];
+    const GainLimits limits(program_->implicit, dt, responses_[k], program_->crowds[dof]);
+    const ActuatorLaw law = laws_.law(k, drives[i], limits, data_->qpos[m.jnt_qposadr[joint]]);
+    data_->ctrl[a] = law.effort;
+    m.actuator_biasprm[mjNBIAS * a + 1] = -law.kp;
+    m.actuator_biasprm[mjNBIAS * a + 2] = -law.kd;
+    m.actuator_forcerange[2 * a] = -law.max_effort;
+    m.actuator_forcerange[2 * a + 1] = law.max_effort;
+    m.dof_damping[dof] += law.damping;
   }
+}
+
+double MujocoWorld::speed_of(std::size_t actuator) const {
+  return data_->qvel[model_->jnt_dofadr[model_->actuator_trnid[2 * actuator]]];
 }
 
 double MujocoWorld::response_of(int dof) const {
   const mjModel& m = *model_;
-  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree. The
-  // response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
+  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree.
+  // The response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
   std::vector<double>& y = scratch_;
   y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
   for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[k] = 0.0;
@@ -203,14 +203,22 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
   }
   get_coordinates(before_);
   model_->opt.timestep = dt;
-  for (;;) {
+  for (bool first = true;; first = false) {
     set_drives(dt, drives);
     apply_forces();
     hold_kinematic();
     const auto done = guarded([&] { mj_step(model_.get(), data_.get()); });
     const mjWarningStat* const found = data_->warning;
     const bool full = found[mjWARN_CONTACTFULL].number + found[mjWARN_CNSTRFULL].number > 0;
-    if (done && !full) break;
+    if (done && !full) {
+      // Stiff drives were taken to be within their bounds, or beyond, and may be otherwise.
+      bool corrected = false;
+      for (std::size_t k = 0; k < responses_.size(); ++k)
+        corrected = laws_.correct(k, speed_of(k), first) || corrected;
+      if (!corrected) break;
+      put_back(before_);
+      continue;
+    }
     if (!done) data_->pstack = 0;
     if (!done && done.error().message != "MuJoCo: Stack overflow")
       return diverged(-1, done.error().message);

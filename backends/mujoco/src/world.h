@@ -9,6 +9,7 @@
 #include "program.h"
 
 #include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/warnings.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim::mujoco {
@@ -16,7 +17,8 @@ namespace cogrsim::mujoco {
 class MujocoWorld final : public World,
                           public JointReactions,
                           public KinematicDrive,
-                          public ExternalForces {
+                          public ExternalForces,
+                          public WorldWarnings {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
 
@@ -32,8 +34,9 @@ class MujocoWorld final : public World,
   SnapshotPtr save() const override;
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
+  std::vector<Diagnostic> warnings() const override { return program_->warnings; }
   void* extension(std::string_view id) override {
-    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+    return find_extension<JointReactions, KinematicDrive, ExternalForces, WorldWarnings>(this, id);
   }
   void get_joint_reactions(std::vector<Wrench>& out) const override;
   Result<> set_kinematic_twist(int body, const Twist& twist) override;
@@ -50,12 +53,14 @@ class MujocoWorld final : public World,
   MujocoWorld() = default;
   /// A copy of `program`'s model to step, and data for it. The world is as it was when it fails.
   Result<> adopt(const ProgramPtr& program);
-  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of MuJoCo's
-  /// own rule.
+  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of
+  /// MuJoCo's own rule.
   Result<> make_room(double contacts, double stack);
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
 
   void set_drives(double dt, const std::vector<Drive>& drives);
+  /// The speed of the axis of an actuator.
+  double speed_of(std::size_t actuator) const;
   void apply_forces();
   void hold_kinematic();
   double response_of(int dof) const;
@@ -84,6 +89,7 @@ class MujocoWorld final : public World,
   double time_ = 0.0;
   Coordinates before_;                ///< the last step
   std::vector<double> responses_;     ///< by actuator, what a unit of effort gives its axis
+  ImplicitDrives laws_;               ///< by actuator
   bool has_external_forces_ = false;  ///< xfrc_applied has forces on bodies
   bool stepped_ = false;              ///< mjData holds what the last step found
   bool unchecked_ = true;             ///< its coordinates did not come from a step

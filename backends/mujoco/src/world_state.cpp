@@ -18,6 +18,7 @@ struct MujocoWorld::Snapshot final : WorldSnapshot {
   double time = 0.0;
   Coordinates coordinates;
   std::vector<double> responses;
+  std::vector<int> at_bound;
   std::vector<Twist> kinematic;
   WorldState kept;
   std::vector<Contact> contacts;
@@ -166,6 +167,7 @@ void MujocoWorld::forget_reports() {
   unchecked_ = true;
   kinematics_ = Kinematics::none;
   find_responses();
+  laws_.reset(responses_.size());
 }
 
 void MujocoWorld::get_state(WorldState& out) const {
@@ -195,7 +197,9 @@ void MujocoWorld::read_efforts(WorldState& out) const {
   const mjData& d = *data_;
   for (std::size_t i = 0; i < scene.motors.size(); ++i) {
     const int a = program_->actuators[i];
-    if (a >= 0) out.motor_efforts[i] = d.actuator_force[a];
+    if (a < 0) continue;
+    const auto k = static_cast<std::size_t>(a);
+    out.motor_efforts[i] = laws_.is_damped(k) ? laws_.effort(k, speed_of(k)) : d.actuator_force[a];
   }
   if (out.joint_efforts.empty()) return;
   // By MuJoCo's speeds: springs, dampers and motors, dry friction and limits; their rows come before
@@ -208,7 +212,11 @@ void MujocoWorld::read_efforts(WorldState& out) const {
     effort[m.nv + row] = d.efc_force[row];
   }
   mj_mulJacTVec(&m, data_.get(), effort.data(), effort.data() + m.nv);
-  for (int i = 0; i < m.nv; ++i) effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i];
+  for (int i = 0; i < m.nv; ++i) {
+    // Of stiff drives by the speed at the end of the step.
+    const double stiff = m.dof_damping[i] - program_->model->dof_damping[i];
+    effort[i] += d.qfrc_passive[i] + d.qfrc_actuator[i] + stiff * (before_.qvel[i] - d.qvel[i]);
+  }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
     const TreeJoint& in_tree = program_->joints[j];
@@ -281,6 +289,10 @@ void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   mjModel* const m = model_.get();
   mjData* const d = data_.get();
   find_kinematics(Kinematics::before);  // as when the forces were found
+  // With the accelerations that came out: implicit damping is not in those of the forces.
+  if (m->nu > 0 &&
+      !std::equal(m->dof_damping, m->dof_damping + m->nv, program_->model->dof_damping))
+    for (int i = 0; i < m->nv; ++i) d->qacc[i] = (d->qvel[i] - before_.qvel[i]) / m->opt.timestep;
   mj_rnePostConstraint(m, d);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
@@ -301,6 +313,7 @@ SnapshotPtr MujocoWorld::save() const {
   out->time = time_;
   get_coordinates(out->coordinates);
   out->responses = responses_;
+  out->at_bound = laws_.at_bound;
   out->kinematic = kinematic_;
   get_state(out->kept);
   get_contacts(out->contacts);
@@ -319,6 +332,7 @@ Result<> MujocoWorld::restore(const SnapshotPtr& snapshot) {
   forget_reports();
   time_ = saved->time;
   responses_ = saved->responses;
+  laws_.at_bound = saved->at_bound;
   kinematic_ = saved->kinematic;
   kept_ = saved->kept;
   kept_contacts_ = saved->contacts;

@@ -146,10 +146,13 @@ class ColladaReader {
     }
   }
 
-  /// Points of a geometry, read once.
-  const std::vector<Vec3>& positions(const Node& mesh) {
-    const auto [it, is_new] = positions_.try_emplace(&mesh);
-    if (!is_new) return it->second;
+  /// Of a geometry, in its own axes.
+  struct Surface {
+    std::vector<Vec3> points;
+    std::vector<Eigen::Vector3i> triangles;
+  };
+
+  std::vector<Vec3> positions(const Node& mesh) const {
     const Node* vertices = child(mesh, "vertices");
     if (vertices == nullptr) throw BrokenMesh{"a <mesh> has no <vertices>"};
     const Node* source = nullptr;
@@ -167,21 +170,33 @@ class ColladaReader {
             std::max<long long>(0, to_integer(value(*accessor, "offset")).value_or(0)));
       }
     const auto v = floats(array->text, 3 * kMaxMeshVertices);
+    std::vector<Vec3> out;
     for (std::size_t i = offset; i + 2 < v.size(); i += stride)
-      it->second.emplace_back(v[i], v[i + 1], v[i + 2]);
-    return it->second;
+      out.emplace_back(v[i], v[i + 1], v[i + 2]);
+    return out;
   }
 
   void geometry(const Node& g, const Transform& X) {
     const Node* mesh = child(g, "mesh");
     if (mesh == nullptr) return;
-    const std::vector<Vec3>& points = positions(*mesh);
+    const auto [known, is_new] = surfaces_.try_emplace(mesh);  // many nodes may show one geometry
+    if (is_new) known->second = surface(*mesh);
+    const auto& [points, triangles] = known->second;
     if (out_.vertices.size() + points.size() > kMaxMeshVertices)
       throw BrokenMesh{"has too many corners"};
-    const auto base = static_cast<int>(out_.vertices.size());
+    if (out_.triangles.size() + triangles.size() > kMaxMeshTriangles)
+      throw BrokenMesh{"has too many triangles"};
+    const Eigen::Vector3i base = Eigen::Vector3i::Constant(static_cast<int>(out_.vertices.size()));
     for (const Vec3& p : points) out_.vertices.push_back(X * p);
     const bool mirrored = X.linear().determinant() < 0.0;
-    for (const Node* c : mesh->children) {
+    for (const Eigen::Vector3i& t : triangles)
+      out_.triangles.push_back(base + (mirrored ? Eigen::Vector3i(t[0], t[2], t[1]) : t));
+  }
+
+  Surface surface(const Node& mesh) const {
+    Surface out;
+    out.points = positions(mesh);
+    for (const Node* c : mesh.children) {
       if (c->name != "triangles" && c->name != "polylist" && c->name != "polygons" &&
           c->name != "tristrips" && c->name != "trifans")
         continue;
@@ -202,17 +217,12 @@ class ColladaReader {
         const auto raw = indices(p->text, 3 * 64 * std::size_t{1000000});
         std::vector<int> corners;
         for (std::size_t i = offset; i < raw.size(); i += stride) {
-          if (raw[i] >= points.size()) throw BrokenMesh{"an index is beyond the corners"};
-          corners.push_back(base + static_cast<int>(raw[i]));
+          if (raw[i] >= out.points.size()) throw BrokenMesh{"an index is beyond the corners"};
+          corners.push_back(static_cast<int>(raw[i]));
         }
         const auto triangle = [&](int a, int b, int d) {
-          if (out_.triangles.size() >= kMaxMeshTriangles)
-            throw BrokenMesh{"has too many triangles"};
-          if (a == b || b == d || a == d) return;
-          if (mirrored)
-            out_.triangles.emplace_back(a, d, b);
-          else
-            out_.triangles.emplace_back(a, b, d);
+          if (out.triangles.size() >= kMaxMeshTriangles) throw BrokenMesh{"has too many triangles"};
+          if (a != b && b != d && a != d) out.triangles.emplace_back(a, b, d);
         };
         const auto fan = [&](std::size_t first, std::size_t count) {
           for (std::size_t k = 1; k + 1 < count; ++k)
@@ -234,11 +244,12 @@ class ColladaReader {
         }
       }
     }
+    return out;
   }
 
   const Node& root_;
   std::map<std::string_view, const Node*> by_id_;
-  std::map<const Node*, std::vector<Vec3>> positions_;
+  std::map<const Node*, Surface> surfaces_;  ///< by <mesh>
   std::size_t nodes_ = 0;
   TriangleMesh out_;
 };

@@ -68,6 +68,10 @@ Result<LoadedMesh> read_mesh(const std::string& path, const std::string& name,
 Result<TriangleMesh> load_mesh(const std::string& path, const std::string& name,
                                std::size_t max_bytes);
 
+/// The work of holding a mesh beyond the `bytes` of its file, in the units of kMostWork: two for each
+/// byte, so that one budget is some 250 MB. Most files are larger than what is made of them.
+std::size_t work_beyond(const TriangleMesh& mesh, std::size_t bytes);
+
 /// Number of edges that do not have exactly one partner in the other direction; 0: the surface is
 /// closed and consistently wound, so that it has a volume.
 std::size_t open_edges(const TriangleMesh& mesh);

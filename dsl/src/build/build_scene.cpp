@@ -35,6 +35,7 @@ Report Builder::fault(std::string_view code, const Element& element, std::string
 }
 
 SceneModelPtr Builder::build() {
+  model_.set_parameters = context_.options.set_parameters;
   for (int i = 0; i < context_.files.size(); ++i)
     model_.files.push_back(context_.files.file(i).name);
   settings();
@@ -70,6 +71,7 @@ SceneModelPtr Builder::build() {
   check_overlaps();
   check_mass_ratios();
   check_loads();
+  check_pivots();
   check_rates();
   check_drives();
   check_params();
@@ -101,6 +103,7 @@ void Builder::matter_and_devices() {
   for_each(scene_, [&](const Element& element) {
     if (element.tag() == "couple") coupling(element);
   });
+  coupling_cycles();
   for_each(scene_, [&](const Element& element) {
     const std::string_view tag = element.tag();
     if (tag == "motor" || tag == "servo")

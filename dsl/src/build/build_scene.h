@@ -155,6 +155,7 @@ class Builder {
   int material_index(const Element& material);
   int shape_material(const ShapeJob& job);
   bool texture(const Element& element, Material& material);
+  bool combine_rules(const Element& element, Material& material);
 
   // shapes.cpp
   void shapes();
@@ -194,6 +195,8 @@ class Builder {
   void effort_limit(std::string_view code, const Element& element, const std::string& subject,
                     bool turns, double& effort);
   void coupling(const Element& element);
+  /// Reports each cycle of joints that follow each other.
+  void coupling_cycles();
   void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
@@ -280,6 +283,7 @@ class Builder {
   void check_overlaps();
   void check_mass_ratios();
   void check_loads();
+  void check_pivots();
   void check_rates();
   void check_drives();
   void check_params();
@@ -297,6 +301,7 @@ class Builder {
   std::vector<const Element*> body_elements_;             // by body
   std::vector<const Element*> joint_elements_;            // by joint
   std::vector<const Element*> motor_elements_;            // by motor
+  std::vector<const Element*> coupling_elements_;         // by coupling
   std::vector<std::pair<const Element*, double>> rates_;  // asked for [Hz]
   std::vector<std::pair<const Element*, const char*>> idle_bounds_;  // attributes without effect
   std::vector<const Element*> sensor_elements_;                      // by sensor

@@ -59,6 +59,17 @@ void add_mentioned(const Node& node, NameSet& out) {
   for (const Node* child : node.children) add_mentioned(*child, out);
 }
 
+// Joints that a motor or a coupling moves.
+std::set<int> driven_joints(const SceneModel& model) {
+  std::set<int> joints;
+  for (const Motor& motor : model.motors) joints.insert(motor.joint);
+  for (const Coupling& coupling : model.couplings) {
+    joints.insert(coupling.joint);
+    for (const CouplingTerm& term : coupling.terms) joints.insert(term.joint);
+  }
+  return joints;
+}
+
 }  // namespace
 
 void Builder::start() {
@@ -206,6 +217,54 @@ void Builder::check_drives() {
           "CG2006", *motor_elements_[i], "target",
           "the target lies beyond the limits of '" + joint.name + "': the joint stops at the limit")
           .help("choose a target between the limits");
+  }
+}
+
+// A hinge or ball on the world that holds a body at its centre of mass, where gravity has no lever:
+// mostly a pendulum whose joint was not placed.
+void Builder::check_pivots() {
+  const std::set<int> bearing = driven_joints(model_);
+  for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+    const Joint& joint = model_.joints[j];
+    if (joint.type != JointType::hinge && joint.type != JointType::ball) continue;
+    const bool grounded =
+        joint.parent == kWorld || model_.bodies[joint.parent].kind != BodyKind::dynamic;
+    const Body& body = model_.bodies[joint.child];
+    if (!grounded || body.kind != BodyKind::dynamic || bearing.count(static_cast<int>(j))) continue;
+    const auto is_zero = [](double value) { return value == 0.0; };
+    if (joint.axes[0].stiffness > 0.0 ||
+        !std::all_of(joint.velocity.begin(), joint.velocity.end(), is_zero))
+      continue;
+    if (std::any_of(model_.forces.begin(), model_.forces.end(), [&](const ForceModel& force) {
+          return force.body == joint.child || force.other == joint.child;
+        }))
+      continue;
+    const Vec3 down = body.X_WB.q.conjugate() * (body.gravity_scale * model_.physics.gravity);
+    const Mat3 R = joint.X_CM.q.toRotationMatrix();  // its z is the axis of a hinge
+    Vec3 arm = R.transpose() * (body.com - joint.X_CM.p);
+    const Mat3 inertia = R.transpose() * body.inertia * R;
+    const bool hinge = joint.type == JointType::hinge;
+    if (hinge) arm.z() = 0.0;
+    const double lever = hinge ? down.cross(R.col(2)).norm() : down.norm();
+    const double size = std::sqrt(inertia.trace() / body.mass);
+    if (!(lever > 1e-6 * model_.physics.gravity.norm()) || !(arm.norm() < 1e-6 * size)) continue;
+    // What is round about the axis is a wheel, which may well turn about its middle.
+    const double unround =
+        std::max({std::abs(inertia(0, 0) - inertia(1, 1)),
+                  hinge ? 0.0 : std::abs(inertia(0, 0) - inertia(2, 2)), std::abs(inertia(0, 1)),
+                  std::abs(inertia(0, 2)), std::abs(inertia(1, 2))});
+    if (unround < 1e-6 * inertia.trace()) continue;
+    const Node& node = *joint_elements_[j]->node;
+    const bool placed = node.find("xyz") || node.find("frame") || node.find("at");
+    const bool deflected = hinge && !is_zero(joint.position[0]);
+    if (placed && !deflected) continue;
+    fault("CG2009", *joint_elements_[j],
+          "'" + joint.name + "' holds '" + body.name +
+              "' at its centre of mass, so gravity does not swing it")
+        .help(placed ? "a pendulum hangs on a joint above its centre: change xyz"
+                     : "a joint without xyz and frame is at the origin of its child; a pendulum "
+                       "hangs on a joint above its centre, such as frame=\"" +
+                           body.name + "\" xyz=\"0 0 30 cm\"");
   }
 }
 

@@ -137,6 +137,12 @@ bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {
                     " mode");
     }
   }
+  take("min-target", target_dimension(model_, motor), motor.min_target);
+  take("max-target", target_dimension(model_, motor), motor.max_target);
+  if (good && motor.min_target > motor.max_target) {
+    fault("CG0608", element, "min-target", "'min-target' exceeds 'max-target'");
+    return false;
+  }
   const auto at = r.number("target", target_dimension(model_, motor));
   good = good && !at.failed();
   if (at.given()) motor.target = *at;

@@ -328,7 +328,54 @@ void Builder::coupling(const Element& element) {
   if (offset.given()) coupling.offset = *offset;
   effort_limit("CG0714", element, "'" + joint.name + "'", turns, coupling.max_effort);
   couple_start(element, coupling);
+  coupling_elements_.push_back(&element);
   model_.couplings.push_back(std::move(coupling));
+}
+
+// Joints that follow each other in a cycle contradict each other, or say the same twice: h = 2 k and
+// k = 2 h leave h = k = 0 only.
+void Builder::coupling_cycles() {
+  std::vector<int> of_joint(model_.joints.size(), -1);
+  for (std::size_t i = 0; i < model_.couplings.size(); ++i)
+    of_joint[static_cast<std::size_t>(model_.couplings[i].joint)] = static_cast<int>(i);
+  enum class Seen : char { no, open, done };
+  std::vector<Seen> seen(model_.couplings.size(), Seen::no);
+  struct Step {
+    std::size_t coupling, term;
+  };
+  for (std::size_t start = 0; start < seen.size(); ++start) {
+    std::vector<Step> path;
+    if (seen[start] == Seen::no) path.push_back({start, 0});
+    while (!path.empty()) {
+      const auto [at, term] = path.back();
+      const Coupling& here = model_.couplings[at];
+      seen[at] = Seen::open;
+      if (term == here.terms.size()) {
+        seen[at] = Seen::done;
+        path.pop_back();
+        continue;
+      }
+      ++path.back().term;
+      const int next = of_joint[static_cast<std::size_t>(here.terms[term].joint)];
+      if (next < 0) continue;
+      const auto to = static_cast<std::size_t>(next);
+      if (seen[to] == Seen::no) path.push_back({to, 0});
+      if (seen[to] != Seen::open) continue;
+      // From the one that closes the cycle back to where it leads.
+      const auto name = [&](std::size_t i) {
+        return "'" + model_.joints[static_cast<std::size_t>(model_.couplings[i].joint)].name + "'";
+      };
+      auto report = fault("CG0714", *coupling_elements_[at], "to",
+                          name(at) + " follows " + name(to) + ", which follows it: the couplings " +
+                              "form a cycle");
+      for (auto step = path.rbegin() + 1; step != path.rend(); ++step) {
+        report.note(name(step->coupling) + " follows here",
+                    coupling_elements_[step->coupling]->span());
+        if (step->coupling == to) break;
+      }
+      report.help("leave one of them out");
+    }
+  }
 }
 
 // The joint starts where the coupling puts it, or has to be given there.

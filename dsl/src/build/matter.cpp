@@ -1,6 +1,8 @@
 // Materials: named ones, the ones shapes make by overriding, and pairs.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "build/build_scene.h"
 #include "cogrsim/core/image.h"
@@ -32,6 +34,7 @@ void Builder::materials() {
     material.rolling_friction = *r.number("rolling-friction");
     material.spinning_friction = *r.number("spinning-friction");
     material.restitution = *r.number("restitution");
+    combine_rules(element, material);
     const auto stiffness = r.number("stiffness");
     if (stiffness.given()) material.stiffness = *stiffness;
     const auto color = r.color("color");
@@ -50,6 +53,22 @@ void Builder::materials() {
 int Builder::material_index(const Element& material) {
   const auto it = material_indices_.find(&material);
   return it != material_indices_.end() ? it->second : 0;
+}
+
+/// Takes the rules of the element for pairs; true: there are any.
+bool Builder::combine_rules(const Element& element, Material& material) {
+  Reader r = reader(element);
+  bool changed = false;
+  for (const auto& [attribute, rule] : {std::pair{"friction-combine", &material.friction_combine},
+                                        {"restitution-combine", &material.restitution_combine}}) {
+    if (!r.has(attribute)) continue;
+    const auto name = r.text(attribute);
+    if (!name.given()) continue;
+    const auto known = std::find(std::begin(kCombineRuleNames), std::end(kCombineRuleNames), *name);
+    *rule = static_cast<CombineRule>(known - std::begin(kCombineRuleNames));
+    changed = true;
+  }
+  return changed;
 }
 
 /// Takes the texture attributes of the element; true: there are any.
@@ -123,6 +142,7 @@ int Builder::shape_material(const ShapeJob& job) {
   take("rolling-friction", made.rolling_friction);
   take("spinning-friction", made.spinning_friction);
   take("restitution", made.restitution);
+  changed = combine_rules(element, made) || changed;
   if (r.has("stiffness")) {
     double stiffness = 0.0;
     take("stiffness", stiffness);
@@ -145,6 +165,8 @@ int Builder::shape_material(const ShapeJob& job) {
   append(key, made.rolling_friction);
   append(key, made.spinning_friction);
   append(key, made.restitution);
+  append(key, static_cast<double>(made.friction_combine));
+  append(key, static_cast<double>(made.restitution_combine));
   append(key, made.stiffness.value_or(0.0));
   append(key, made.color.r);
   append(key, made.color.g);

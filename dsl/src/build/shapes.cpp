@@ -1,4 +1,6 @@
 // Geometry of shapes, and the files it comes from.
+#include <filesystem>
+
 #include "assets/mesh_file.h"
 #include "build/build_scene.h"
 
@@ -79,6 +81,14 @@ bool Builder::mesh(const Element& element, Shape& shape) {
         return false;
       }
       context_.files.add_read(read->files);
+      std::size_t bytes = 0;
+      read->files.push_back(path);
+      for (const std::string& part : read->files) {
+        std::error_code fault;
+        const std::uintmax_t size = std::filesystem::file_size(part, fault);
+        bytes += fault ? 0 : static_cast<std::size_t>(size);
+      }
+      if (!dsl::spend(context_, work_beyond(read->mesh, bytes), at, element.trail)) return false;
       scale_mesh(read->mesh, factor);
       loaded = std::make_shared<const TriangleMesh>(std::move(read->mesh));
     }

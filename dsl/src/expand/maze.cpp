@@ -13,8 +13,9 @@ namespace {
 
 // Attributes that a wall box copies from the maze.
 constexpr std::string_view kLooks[] = {
-    "material",    "density",   "friction", "rolling-friction", "spinning-friction",
-    "restitution", "stiffness", "color",    "texture",          "texture-size"};
+    "material",          "density",     "friction",         "rolling-friction",
+    "spinning-friction", "restitution", "friction-combine", "restitution-combine",
+    "stiffness",         "color",       "texture",          "texture-size"};
 
 bool is_gap(char c) { return c == ' ' || c == '\t'; }
 

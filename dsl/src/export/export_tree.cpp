@@ -86,6 +86,38 @@ ExportTree::ExportTree(const SceneModel& m, const ExportOptions& o) : model(m), 
   build();
 }
 
+void ExportTree::report_pairs(const char* how, CombineRule rule) {
+  std::set<int> used;
+  for (const Body& b : model.bodies) {
+    if (b.removed || !selected(b.assembly)) continue;
+    for (const Shape& s : b.shapes)
+      if (s.collides) used.insert(s.material);
+  }
+  std::size_t count = 0;
+  double worst = 0.0;
+  std::string example;
+  const auto name = [&](const Material& m) {
+    return m.name.empty() ? "friction " + number(m.friction) : "'" + m.name + "'";
+  };
+  for (auto a = used.begin(); a != used.end(); ++a)
+    for (auto b = a; b != used.end(); ++b) {
+      const Material &one = model.materials[index(*a)], &two = model.materials[index(*b)];
+      const double here = surface_pair(model, *a, *b).friction;
+      const double there = combine(rule, one.friction, two.friction);
+      const double off = std::abs(here - there);
+      if (off <= 1e-12 * std::max(here, there)) continue;
+      ++count;
+      if (off <= worst) continue;
+      worst = off;
+      example = fmt::format("{} and {} have {:.4g} here, {:.4g} there", name(one), name(two), here,
+                            there);
+    }
+  if (count == 0) return;
+  approximate({}, "friction of pairs",
+              fmt::format("{}: {} of materials differ; {}", how,
+                          count == 1 ? "a pair" : fmt::format("{} pairs", count), example));
+}
+
 bool ExportTree::selected(int assembly) const {
   return options.assembly.empty() || (assembly >= 0 && chosen_[index(assembly)]);
 }
@@ -259,7 +291,13 @@ std::string ExportTree::mesh_file(int mesh) {
 
 void ExportTree::add(Fidelity fidelity, const SourceSpan& at, const std::string& element,
                      const std::string& message) {
-  result.entries.push_back({source_position(model, at), fidelity, element, message});
+  static const std::set<std::string> kStill = {"light", "view", "maze",   "record",
+                                               "plot",  "test", "measure"};
+  const std::string kind = element.substr(0, element.find(' '));
+  const bool reads = std::any_of(model.sensors.begin(), model.sensors.end(),
+                                 [&](const SensorModel& s) { return s.type == kind; });
+  const bool moves = !reads && kStill.count(kind) == 0;
+  result.entries.push_back({source_position(model, at), fidelity, element, message, moves});
 }
 void ExportTree::exact(const SourceSpan& at, const std::string& element,
                        const std::string& message) {

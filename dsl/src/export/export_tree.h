@@ -92,6 +92,9 @@ class ExportTree {
   void exact(const SourceSpan& at, const std::string& element, const std::string& message = {});
   void approximate(const SourceSpan& at, const std::string& element, const std::string& message);
   void left_out(const SourceSpan& at, const std::string& element, const std::string& message);
+  /// Reports pairs of materials in use that another program, which has one rule for all, combines to
+  /// another friction.
+  void report_pairs(const char* how, CombineRule rule);
   /// Reports the elements that no foreign format has, and those of `also`.
   void report_rest();
 

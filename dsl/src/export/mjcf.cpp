@@ -584,6 +584,11 @@ class MjcfWriter {
         break;
       }
     }
+    // A range has two ends; what is beyond all numbers bounds nothing.
+    const auto end = [](double v) { return number(std::clamp(v, -1e9, 1e9)); };
+    if (m.mode != MotorMode::dc && (m.min_target > -kInfinity || m.max_target < kInfinity))
+      xml_.with("ctrllimited", "true")
+          .with("ctrlrange", end(m.min_target) + " " + end(m.max_target));
     xml_.end();
     controls_.push_back(target);
   }
@@ -707,14 +712,17 @@ class MjcfWriter {
       if (!f.removed && tree_.selected(f.assembly) && f.kind != ForceModel::Kind::spring)
         tree_.left_out(f.origin, "force '" + f.name + "'",
                        "MuJoCo has no such element; a program sets xfrc_applied");
-    for (const Material& material : m.materials)
-      if (!material.name.empty())
-        tree_.approximate(
-            material.origin, "material '" + material.name + "'",
-            fmt::format("MuJoCo takes the larger friction of two shapes, CogRSim the geometric mean"
-                        "{}{}",
-                        material.restitution > 0.0 ? "; its restitution is left out" : "",
-                        material.texture.empty() ? "" : "; its texture is left out"));
+    for (const Material& material : m.materials) {
+      if (material.name.empty()) continue;
+      std::string lost = material.restitution > 0.0 ? "its restitution is left out" : "";
+      if (!material.texture.empty())
+        lost += lost.empty() ? "its texture is left out" : "; its texture is left out";
+      if (lost.empty())
+        tree_.exact(material.origin, "material '" + material.name + "'");
+      else
+        tree_.approximate(material.origin, "material '" + material.name + "'", lost);
+    }
+    tree_.report_pairs("MuJoCo takes the larger of two", CombineRule::max);
     for (const MaterialPair& pair : m.material_pairs)
       tree_.left_out(pair.origin, "contact between materials",
                      "MuJoCo has pairs of shapes, not of materials");

@@ -490,6 +490,7 @@ class SdfWriter {
         else
           tree_.exact(material.origin, element);
       }
+    tree_.report_pairs("Gazebo's engines take the smaller of two", CombineRule::min);
     for (const MaterialPair& pair : m.material_pairs)
       tree_.left_out(pair.origin, "contact between materials",
                      "SDF combines the values of the two shapes");

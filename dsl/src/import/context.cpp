@@ -8,6 +8,7 @@
 
 #include "assets/mesh_file.h"
 #include "assets/mesh_text.h"
+#include "cogrsim/core/parameter.h"
 #include "report/diagnostics.h"
 #include "syntax/node.h"
 
@@ -25,6 +26,19 @@ std::size_t FidelityReport::count(Fidelity fidelity) const {
                     [&](const ImportEntry& e) { return e.fidelity == fidelity; }));
 }
 
+std::vector<const ImportEntry*> FidelityReport::by_weight() const {
+  std::vector<const ImportEntry*> out;
+  for (const ImportEntry& e : entries) out.push_back(&e);
+  const auto weight = [](const ImportEntry* e) {
+    const bool exact = e->fidelity == Fidelity::exact;
+    return std::pair(e->moves && !exact, static_cast<int>(e->fidelity));
+  };
+  std::stable_sort(out.begin(), out.end(), [&](const ImportEntry* a, const ImportEntry* b) {
+    return weight(a) > weight(b);
+  });
+  return out;
+}
+
 }  // namespace cogrsim::dsl
 
 namespace cogrsim::dsl::import {
@@ -36,7 +50,19 @@ namespace {
 /// Of all files of an import together; a model that includes more is not one that a person wrote.
 constexpr std::size_t kMostBytes = 256u << 20;
 
+constexpr std::size_t kWorkOfSearch = 20000;  // for a file or a package, in folders
+
 constexpr std::size_t kMostMeshBytes = std::size_t{2} << 30;
+
+// A name of a whole file's length would be in each finding about its element [byte].
+constexpr std::size_t kLongestEntry = 300, kLongestError = 1000;
+
+std::string shortened(std::string text, std::size_t most) {
+  if (text.size() <= most) return text;
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "…";
+}
 
 std::unique_ptr<XmlElement> tree_of(const Node& node, int file) {
   auto out = std::make_unique<XmlElement>();
@@ -117,7 +143,14 @@ std::string quoted_name(const XmlElement& element) {
   return name == nullptr ? "<" + element.name + ">" : element.name + " '" + *name + "'";
 }
 
-Context::Context(const std::string& path, const ImportOptions& given) : options(given) {
+std::size_t work_of(const XmlElement& element) {
+  std::size_t bytes = element.name.size() + element.text.size();
+  for (const auto& [key, value] : element.attributes) bytes += key.size() + value.size();
+  return 1500 + 400 * element.attributes.size() + 16 * bytes;
+}
+
+Context::Context(const std::string& path, const ImportOptions& given)
+    : options(given), work_(given.work != nullptr ? given.work : &own_work_) {
   const std::string full = canonical(path);
   folder_ = fs::path(full).parent_path().string();
   allowed_ = options.only_below;
@@ -139,7 +172,42 @@ Context::Context(const std::string& path, const ImportOptions& given) : options(
   }
 }
 
+void Context::spend(std::size_t work, const Source& at) {
+  if (work < *work_) {
+    *work_ -= work;
+    return;
+  }
+  *work_ = 0;
+  refuse(at, "CG1402", "there is too much to read and to compute in this model",
+         "look for files, macros and long texts that are used many times");
+}
+
+std::unique_ptr<XmlElement> Context::copy(const XmlElement& element) {
+  const auto pay = [&](const XmlElement& e, const auto& self) -> void {
+    spend(work_of(e), e.at);
+    for (const auto& c : e.children) self(*c, self);
+  };
+  pay(element, pay);
+  return element.copy();
+}
+
+std::string Context::near(const std::string& name, const std::vector<std::string>& known) {
+  std::size_t steps = 0;
+  for (const std::string& other : known) steps += name.size() * other.size();
+  if (steps > near_left_) return "";
+  near_left_ -= steps;
+  return nearest_name(name, known);
+}
+
 std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source& from) {
+  const bool again = trees_.count(path) != 0;
+  const XmlElement& tree = parsed(path, from);
+  return again ? copy(tree) : tree.copy();
+}
+
+const XmlElement& Context::parsed(const std::string& path, const Source& from) {
+  auto& tree = trees_[path];
+  if (tree != nullptr) return *tree;
   std::error_code fault;
   if (fs::exists(path, fault) && !fs::is_regular_file(path, fault))
     refuse(from, "CG0101", fmt::format("'{}' is not a regular file", shown(path)));
@@ -155,7 +223,7 @@ std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source
   SourceFiles sources(compile, sink);
   const Document* document = sources.open_plain(path, true);
   files_.push_back(path);
-  result.files_read.push_back(path);
+  note_read(path);
   if (document == nullptr || document->root == nullptr) {
     for (Diagnostic d : sink.take()) {
       d.file = shown(path);
@@ -164,12 +232,14 @@ std::unique_ptr<XmlElement> Context::parse(const std::string& path, const Source
     failed_ = true;
     throw Refused{};
   }
-  return tree_of(*document->root, static_cast<int>(files_.size()) - 1);
+  tree = tree_of(*document->root, static_cast<int>(files_.size()) - 1);
+  return *tree;
 }
 
 Result<std::string> Context::package(const std::string& name) {
   const auto known = packages_.find(name);
   if (known != packages_.end()) return known->second;
+  spend(kWorkOfSearch, {});
   if (name.empty() || name.find('/') != std::string::npos || name.front() == '.')
     return fail("'" + name + "' is not the name of a package");
   const auto take = [&](const fs::path& folder) {
@@ -208,23 +278,40 @@ bool Context::may_read(const std::string& folder) const {
          });
 }
 
+Result<LoadedMesh> Context::mesh(const std::string& path, const std::string& name) {
+  std::error_code fault;
+  std::size_t size = 0;
+  const auto count = [&](const std::string& file) {
+    const std::uintmax_t bytes = fs::file_size(file, fault);
+    size += fault ? 0 : static_cast<std::size_t>(bytes);
+  };
+  count(path);
+  if (mesh_bytes_ + size > kMostMeshBytes)
+    return fail(
+        fmt::format("the model's meshes have more than {} MB together", kMostMeshBytes >> 20));
+  // For its extent, its mass and its parts; each further scale reads it again.
+  if (++mesh_reads_[path] > 4) spend(32 * size, {});
+  auto mesh = read_mesh(path, name, options.limits.asset_bytes);
+  if (mesh) {
+    for (const std::string& file : mesh->files) {
+      count(file);
+      note_read(file);
+    }
+    spend(work_beyond(mesh->mesh, size), {});
+  }
+  mesh_bytes_ += size;
+  return mesh;
+}
+
 const Result<Bounds>& Context::mesh_bounds(const std::string& path) {
   const auto known = bounds_.find(path);
   if (known != bounds_.end()) return known->second;
   const auto read = [&]() -> Result<Bounds> {
-    std::error_code fault;
-    const std::uintmax_t size = fs::file_size(path, fault);
-    if (!fault) mesh_bytes_ += static_cast<std::size_t>(size);
-    if (mesh_bytes_ > kMostMeshBytes)
-      return fail(
-          fmt::format("the model's meshes have more than {} MB together", kMostMeshBytes >> 20));
-    auto mesh = read_mesh(path, fs::path(path).filename().string(), options.limits.asset_bytes);
-    if (!mesh) return tl::unexpected(mesh.error());
-    for (const std::string& file : mesh->files)
-      mesh_bytes_ += static_cast<std::size_t>(fs::file_size(file, fault));
-    looks_[path] = {mesh->color, mesh->differs, !mesh->files.empty(), is_gltf(path)};
+    const auto of = mesh(path, fs::path(path).filename().string());
+    if (!of) return tl::unexpected(of.error());
+    looks_[path] = {of->color, of->differs, !of->files.empty(), is_gltf(path)};
     Bounds out;
-    for (const Vec3& v : mesh->mesh.vertices) out.add(v);
+    for (const Vec3& v : of->mesh.vertices) out.add(v);
     return out;
   };
   return bounds_.emplace(path, read()).first->second;
@@ -237,6 +324,7 @@ bool Context::allowed(const std::string& path) const {
 
 Result<std::string> Context::locate(const std::string& href, const Source& from) {
   if (href.size() > 4096) return fail("the name of a file is longer than 4096 characters");
+  spend(kWorkOfSearch, from);
   std::string path, in_package;
   const auto starts = [&](std::string_view with) {
     return href.compare(0, with.size(), with) == 0;
@@ -276,7 +364,12 @@ Result<std::string> Context::locate(const std::string& href, const Source& from)
     return fail("'" + href + "' lies outside of the model's folder and its packages", "",
                 "allow its folder with --package NAME=DIR, or copy the file beside the model");
   if (!fs::is_regular_file(found, fault)) return fail("there is no file '" + href + "'");
+  note_read(found);
   return found;
+}
+
+void Context::note_read(const std::string& path) {
+  if (read_.insert(path).second) result.files_read.push_back(path);
 }
 
 std::string Context::shown(const std::string& path) const {
@@ -291,6 +384,9 @@ void Context::add(Fidelity fidelity, const Source& at, std::string element, std:
   entry.fidelity = fidelity;
   entry.element = std::move(element);
   entry.message = std::move(message);
+  entry.element = shortened(std::move(entry.element), kLongestEntry);
+  entry.message = shortened(std::move(entry.message), kLongestEntry);
+  entry.moves = asides_ == 0;
   if (at.file >= 0) entry.file = shown(path_of(at.file));
   entry.line = at.line;
   entry.column = at.column;
@@ -315,10 +411,10 @@ void Context::left_out(const Source& at, std::string element, std::string messag
 
 void Context::error(const Source& at, std::string code, std::string message, std::string help) {
   failed_ = true;
-  if (result.diagnostics.size() >= 100) return;
+  if (result.diagnostics.size() >= 100) throw Refused{};
   Diagnostic d;
   d.code = std::move(code);
-  d.message = std::move(message);
+  d.message = shortened(std::move(message), kLongestError);
   d.help = std::move(help);
   if (at.file >= 0) d.file = shown(path_of(at.file));
   d.line = at.line;

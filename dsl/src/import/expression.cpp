@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::size_t kLongestText = 1u << 20;
 constexpr std::size_t kLongestList = 100000;
+constexpr std::size_t kWorkOfEntry = 128;  // of a list
+constexpr std::size_t kWorkOfStep = 25;    // of an operation
 
 const char* kind_of(const PyValue& v) {
   static const char* const kKinds[] = {"None",   "a boolean", "a number",    "a number",
@@ -25,8 +27,9 @@ const char* kind_of(const PyValue& v) {
   return kKinds[v.is.index()];
 }
 
-bool equal(const PyValue& a, const PyValue& b, int depth = 0) {
+bool equal(const PyScope& scope, const PyValue& a, const PyValue& b, int depth = 0) {
   if (depth > 64) throw PyError{"values are nested too deep"};
+  scope.spend(kWorkOfEntry);  // lists that hold one list twice grow with each level
   if (a.is_number() && b.is_number()) return a.number() == b.number();
   if (a.is.index() != b.is.index()) return false;
   if (const auto* s = std::get_if<std::string>(&a.is)) return *s == std::get<std::string>(b.is);
@@ -34,7 +37,7 @@ bool equal(const PyValue& a, const PyValue& b, int depth = 0) {
     const PyList& other = *std::get<std::shared_ptr<const PyList>>(b.is);
     if ((*l)->size() != other.size()) return false;
     for (std::size_t i = 0; i < other.size(); ++i)
-      if (!equal((**l)[i], other[i], depth + 1)) return false;
+      if (!equal(scope, (**l)[i], other[i], depth + 1)) return false;
     return true;
   }
   return std::holds_alternative<std::monostate>(a.is);
@@ -95,26 +98,28 @@ PyValue length_of(const Call& call) {
 
 /// Of the arguments, or of the list that is the only argument: the one before which no other comes.
 PyValue first_of(const Call& call, bool (*before)(const PyValue&, const PyValue&)) {
-  PyList all = call.arguments;
-  if (all.size() == 1)
+  const PyList* list = &call.arguments;
+  if (list->size() == 1)
     if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&call.arguments[0].is))
-      all = **l;
+      list = l->get();
+  const PyList& all = *list;
+  call.scope.spend(kWorkOfEntry * all.size());
   if (all.empty()) throw PyError{call.name + "() of nothing"};
-  PyValue best = all.front();
+  const PyValue* best = &all.front();
   for (const PyValue& v : all)
-    if (before(v, best)) best = v;
-  return best;
+    if (before(v, *best)) best = &v;
+  return *best;
 }
 
 PyValue load_yaml_of(const Call& call) {
   if (call.arguments.size() != 1 || !call.scope.load_yaml)
     throw PyError{"load_yaml() names one file"};
-  return call.scope.load_yaml(call.arguments[0].text());
+  return call.scope.load_yaml(call.arguments[0].text(call.scope));
 }
 
 PyValue argument_of(const Call& call) {
   if (call.arguments.size() != 1 || !call.scope.argument) throw PyError{"arg() names one argument"};
-  return call.scope.argument(call.arguments[0].text());
+  return call.scope.argument(call.arguments[0].text(call.scope));
 }
 
 template <class Container>
@@ -125,7 +130,7 @@ PyValue empty_of(const Call& call) {
 
 PyValue nothing_of(const Call&) { return {std::string()}; }
 PyValue error_of(const Call& call) {
-  throw PyError{call.arguments.empty() ? "error" : call.arguments[0].text()};
+  throw PyError{call.arguments.empty() ? "error" : call.arguments[0].text(call.scope)};
 }
 
 template <double (*function)(double)>
@@ -174,14 +179,15 @@ const std::map<std::string, Function>& functions() {
       {"int",
        [](const Call& call) {
          const double x =
-             call.is_text() ? literal(call.arguments[0].text()).number() : call.number(0);
+             call.is_text() ? literal(call.arguments[0].text(call.scope)).number() : call.number(0);
          return integer_or(std::trunc(x), true);
        }},
       {"float",
        [](const Call& call) -> PyValue {
-         return {call.is_text() ? literal(call.arguments[0].text()).number() : call.number(0)};
+         return {call.is_text() ? literal(call.arguments[0].text(call.scope)).number()
+                                : call.number(0)};
        }},
-      {"str", [](const Call& call) -> PyValue { return {call.only().text()}; }},
+      {"str", [](const Call& call) -> PyValue { return {call.only().text(call.scope)}; }},
       {"bool", [](const Call& call) -> PyValue { return {call.only().truth()}; }},
       {"len", length_of},
       {"min", [](const Call& call) { return first_of(call, less); }},
@@ -201,36 +207,40 @@ const std::map<std::string, Function>& functions() {
   return kFunctions;
 }
 
-bool contains(const PyValue& in, const PyValue& what) {
+bool contains(const PyScope& scope, const PyValue& in, const PyValue& what) {
   if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&in.is))
     return std::any_of((*l)->begin(), (*l)->end(),
-                       [&](const PyValue& v) { return equal(v, what); });
+                       [&](const PyValue& v) { return equal(scope, v, what); });
   if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&in.is))
-    return (*d)->count(what.text()) != 0;
-  if (const auto* s = std::get_if<std::string>(&in.is))
-    return s->find(what.text()) != std::string::npos;
+    return (*d)->count(what.text(scope)) != 0;
+  if (const auto* s = std::get_if<std::string>(&in.is)) {
+    scope.spend(s->size());
+    return s->find(what.text(scope)) != std::string::npos;
+  }
   throw PyError{std::string(kind_of(in)) + " contains nothing"};
 }
 
-bool compared(std::string_view op, const PyValue& a, const PyValue& b) {
+bool compared(const PyScope& scope, std::string_view op, const PyValue& a, const PyValue& b) {
   if (op == "<") return less(a, b);
   if (op == ">") return less(b, a);
   if (op == "<=") return !less(b, a);
   if (op == ">=") return !less(a, b);
-  if (op == "in" || op == "not") return contains(b, a) == (op == "in");
-  return equal(a, b) == (op != "!=");
+  if (op == "in" || op == "not") return contains(scope, b, a) == (op == "in");
+  return equal(scope, a, b) == (op != "!=");
 }
 
-PyValue added(const PyValue& a, const PyValue& b) {
+PyValue added(const PyScope& scope, const PyValue& a, const PyValue& b) {
   const auto *s = std::get_if<std::string>(&a.is), *t = std::get_if<std::string>(&b.is);
   const auto* l = std::get_if<std::shared_ptr<const PyList>>(&a.is);
   const auto* m = std::get_if<std::shared_ptr<const PyList>>(&b.is);
   if (s != nullptr && t != nullptr) {
     if (s->size() + t->size() > kLongestText) throw PyError{"a text grows too long"};
+    scope.spend(16 * (s->size() + t->size()));
     return {*s + *t};
   }
   if (l != nullptr && m != nullptr) {
     if ((*l)->size() + (*m)->size() > kLongestList) throw PyError{"a list grows too long"};
+    scope.spend(kWorkOfEntry * ((*l)->size() + (*m)->size()));
     auto both = std::make_shared<PyList>(**l);
     both->insert(both->end(), (*m)->begin(), (*m)->end());
     return {std::shared_ptr<const PyList>(std::move(both))};
@@ -238,8 +248,8 @@ PyValue added(const PyValue& a, const PyValue& b) {
   return integer_or(a.number() + b.number(), is_integer(a) && is_integer(b));
 }
 
-PyValue computed(std::string_view op, const PyValue& a, const PyValue& b) {
-  if (op == "+") return added(a, b);
+PyValue computed(const PyScope& scope, std::string_view op, const PyValue& a, const PyValue& b) {
+  if (op == "+") return added(scope, a, b);
   if (op == "%" && std::holds_alternative<std::string>(a.is))
     throw PyError{"texts are not formatted here"};
   const bool divides = op == "/" || op == "//" || op == "%";
@@ -286,11 +296,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
  private:
   PyValue too_deep(const Operator*) const { throw PyError{"the expression is nested too deep"}; }
 
-  void spend() const {
-    if (scope_.budget == nullptr) return;
-    if (*scope_.budget == 0) throw PyError{"takes more than is computed for one file"};
-    --*scope_.budget;
-  }
+  void spend() const { scope_.spend(kWorkOfStep); }
 
   void need(std::string_view s) {
     if (!take(s)) throw PyError{"'" + std::string(s) + "' is missing"};
@@ -312,7 +318,9 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
       // Perhaps the branch of an "if" whose condition does not hold: find that "if".
       trouble = error.message;
       at_ = begin;
-      if (!skip_to("if ")) throw;
+      const bool found = skip_to("if ");
+      scope_.spend(at_ - begin);
+      if (!found) throw;
     }
     if (!take("if")) return yes;
     const bool condition = expression(kOr).truth();
@@ -361,7 +369,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
   PyValue infix(std::size_t, const Operator& op, PyValue left, const Operand& right) {
     if (op.level == kCompare) return chain(op, std::move(left), right);
     const PyValue other = right();
-    if (op.level > kCompare) return computed(op.text, left, other);
+    if (op.level > kCompare) return computed(scope_, op.text, left, other);
     return left.truth() == (op.level == kOr) ? left : other;
   }
 
@@ -374,7 +382,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
       if (test == "not" && !take("in")) throw PyError{"'in' is missing after 'not'"};
       if (test == "is" && take("not")) test = "!=";
       PyValue right = right_of();
-      holds = holds && compared(test, left, right);
+      holds = holds && compared(scope_, test, left, right);
       left = std::move(right);
     }
     return {holds};
@@ -427,10 +435,10 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
     }
   }
 
-  static PyValue item(const PyValue& of, const PyValue& key) {
+  PyValue item(const PyValue& of, const PyValue& key) const {
     if (const auto* d = std::get_if<std::shared_ptr<const PyDict>>(&of.is)) {
-      const auto it = (*d)->find(key.text());
-      if (it == (*d)->end()) throw PyError{"there is no entry '" + key.text() + "'"};
+      const auto it = (*d)->find(key.text(scope_));
+      if (it == (*d)->end()) throw PyError{"there is no entry '" + key.text(scope_) + "'"};
       return it->second;
     }
     if (const auto* l = std::get_if<std::shared_ptr<const PyList>>(&of.is)) {
@@ -462,7 +470,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
     if (name == "True") return out = PyValue{true}, true;
     if (name == "False") return out = PyValue{false}, true;
     if (name == "None") return out = PyValue{}, true;
-    if (scope_.look_up && scope_.look_up(name, out)) return true;
+    if (scope_.look_up && scope_.look_up(name, out)) return scope_.spend(work_of(out)), true;
     if (name == "pi") return out = PyValue{kPi}, true;
     if (name == "e") return out = PyValue{2.71828182845904523536}, true;
     if (name == "tau") return out = PyValue{2.0 * kPi}, true;
@@ -504,7 +512,7 @@ class Parser : expression::Parser<Parser, PyValue, kDeepest> {
       entries("}", kLongestList, "a dictionary grows too long", [&] {
         const PyValue key = ternary();
         need(":");
-        dict[key.text()] = ternary();
+        dict[key.text(scope_)] = ternary();
       });
       return {std::make_shared<const PyDict>(std::move(dict))};
     }
@@ -557,6 +565,7 @@ PyValue from_yaml(const YAML::Node& node, const PyScope& scope, int depth, std::
   }
   if (!node.IsScalar()) return {};
   const std::string& text = node.Scalar();
+  scope.spend(16 * text.size());
   const std::string& tag = node.Tag();
   const auto of = [&](double factor) { return PyValue{evaluate(text, scope).number() * factor}; };
   if (tag == "!degrees") return of(kPi / 180.0);
@@ -588,13 +597,15 @@ double PyValue::number() const {
   if (const auto* b = std::get_if<bool>(&is)) return *b ? 1.0 : 0.0;
   if (const auto* i = std::get_if<long long>(&is)) return static_cast<double>(*i);
   if (const auto* d = std::get_if<double>(&is)) return *d;
-  throw PyError{
-      std::string(kind_of(*this)) + " is not a number" +
-      (std::holds_alternative<std::string>(is) ? ": '" + text().substr(0, 40) + "'" : "")};
+  throw PyError{std::string(kind_of(*this)) + " is not a number" +
+                (std::holds_alternative<std::string>(is)
+                     ? ": '" + std::get<std::string>(is).substr(0, 40) + "'"
+                     : "")};
 }
 
-std::string PyValue::text() const {
+std::string PyValue::text(const PyScope& scope) const {
   struct Visit {
+    const PyScope& scope;
     std::string operator()(std::monostate) const { return "None"; }
     std::string operator()(bool v) const { return v ? "True" : "False"; }
     std::string operator()(long long v) const { return std::to_string(v); }
@@ -606,22 +617,27 @@ std::string PyValue::text() const {
     std::string operator()(const std::string& v) const { return v; }
     std::string operator()(const std::shared_ptr<const PyList>& v) const {
       std::string out = "[";
-      for (const PyValue& e : *v) {
-        out += (out.size() > 1 ? ", " : "") + e.text();
-        if (out.size() > kLongestText) throw PyError{"a text grows too long"};
-      }
+      for (const PyValue& e : *v) add(out, (out.size() > 1 ? ", " : "") + e.text(scope));
       return out + "]";
     }
     std::string operator()(const std::shared_ptr<const PyDict>& v) const {
       std::string out = "{";
-      for (const auto& [key, e] : *v) {
-        out += (out.size() > 1 ? ", '" : "'") + key + "': " + e.text();
-        if (out.size() > kLongestText) throw PyError{"a text grows too long"};
-      }
+      for (const auto& [key, e] : *v)
+        add(out, (out.size() > 1 ? ", '" : "'") + key + "': " + e.text(scope));
       return out + "}";
     }
+    void add(std::string& out, const std::string& entry) const {
+      scope.spend(kWorkOfStep + entry.size());
+      out += entry;
+      if (out.size() > kLongestText) throw PyError{"a text grows too long"};
+    }
   };
-  return std::visit(Visit{}, is);
+  return std::visit(Visit{scope}, is);
+}
+
+std::size_t work_of(const PyValue& value) {
+  const auto* s = std::get_if<std::string>(&value.is);
+  return s == nullptr ? 0 : s->size();
 }
 
 PyValue evaluate(std::string_view expression, const PyScope& scope) {
@@ -653,6 +669,7 @@ PyValue literal(const std::string& text) {
 PyValue parse_yaml(const std::string& text, const PyScope& scope) {
   // An alias names what stands elsewhere, and aliases of aliases grow without end.
   if (text.size() > (1u << 20)) throw PyError{"the YAML file has more than 1 MB"};
+  scope.spend(256 * text.size());  // slow to parse
   try {
     std::size_t left = 100000;
     return from_yaml(YAML::Load(text), scope, 0, left);

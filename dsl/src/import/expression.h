@@ -20,6 +20,7 @@
 namespace cogrsim::dsl::import {
 
 struct PyValue;
+struct PyScope;
 using PyList = std::vector<PyValue>;
 using PyDict = std::map<std::string, PyValue>;
 
@@ -31,7 +32,8 @@ struct PyValue {
   bool truth() const;
   bool is_number() const { return is.index() >= 1 && is.index() <= 3; }
   double number() const;     ///< of bool, integer or float; throws PyError
-  std::string text() const;  ///< as Python's str()
+  /// As Python's str(). Each byte of lists and dictionaries is work.
+  std::string text(const PyScope& scope) const;
 };
 
 struct PyError {
@@ -43,7 +45,8 @@ struct PyScope {
   std::function<bool(const std::string& name, PyValue& out)> look_up;
   std::function<PyValue(const std::string& path)> load_yaml;
   std::function<PyValue(const std::string& name)> argument;
-  std::size_t* budget = nullptr;  ///< operations left; at 0 PyError is thrown
+  /// Takes work, in the units of kMostWork; ends the evaluation by another exception than PyError.
+  std::function<void(std::size_t work)> spend = [](std::size_t) {};
 };
 
 /// Throws PyError.
@@ -54,5 +57,8 @@ PyValue literal(const std::string& text);
 
 /// A YAML file's content. Throws PyError.
 PyValue parse_yaml(const std::string& text, const PyScope& scope);
+
+/// The work of copying a value, in the units of kMostWork; lists and dictionaries are shared.
+std::size_t work_of(const PyValue& value);
 
 }  // namespace cogrsim::dsl::import

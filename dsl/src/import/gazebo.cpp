@@ -399,6 +399,7 @@ bool has_word(const std::string& keys, const std::string& word) {
 
 std::optional<RobotSensor> gazebo_sensor(Context& context, const XmlElement& e,
                                          const SensorMount& mount) {
+  const Context::Aside reads(context);
   return SensorReader(context, e, mount).read();
 }
 

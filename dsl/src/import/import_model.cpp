@@ -71,13 +71,18 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
       for (std::size_t i = 0; i < robot.links.size(); ++i)
         if (!carried[i]) robot.links[i].is_static = true;
     }
+    // What follows compares all with all: a few times in some nanoseconds.
+    const std::size_t parts = robot.links.size() + robot.joints.size() + robot.loops.size();
+    context.spend(2 * parts * (parts + robot.no_contact.size()), root->at);
     leave_out_features(context, robot);
     square_axes(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);
     show_unseen(context, robot);
     separate_by_bits(context, robot);
+    set_scenery_apart(context, robot);
     make_names(context, robot);
+    robot.names_changed();
     write_scene(context, robot);
   } catch (const Refused&) {
     context.result.scene.clear();
@@ -90,24 +95,30 @@ Result<> write_beside(const std::string& folder, const std::vector<ImportedFile>
   namespace fs = std::filesystem;
   const fs::path root = folder.empty() ? "." : folder;
   std::error_code fault;
+  std::vector<std::pair<std::string, const ImportedFile*>> todo;
   for (const ImportedFile& file : files) {
     const auto path = output_in(root.string(), file.name);
     if (!path) return tl::unexpected(path.error());
-    const fs::path parent = fs::path(*path).parent_path();
-    const fs::path inside =
-        fs::weakly_canonical(parent, fault).lexically_relative(fs::weakly_canonical(root, fault));
+    const fs::path inside = fs::weakly_canonical(fs::path(*path).parent_path(), fault)
+                                .lexically_relative(fs::weakly_canonical(root, fault));
     if (inside.empty() || *inside.begin() == "..")
       return fail(
           fmt::format("cannot write '{}': a link leads out of the folder '{}'", *path, folder), "",
           "remove the link, or write to another folder");
-    fs::create_directories(parent, fault);
-    if (fs::symlink_status(*path, fault).type() == fs::file_type::regular) {
-      std::ifstream there(*path, std::ios::binary);
-      if (there && std::equal(std::istreambuf_iterator<char>(there), {}, file.bytes.begin(),
-                              file.bytes.end()))
+    const fs::file_type there = fs::symlink_status(*path, fault).type();
+    if (there == fs::file_type::regular) {
+      std::ifstream in(*path, std::ios::binary);
+      if (in &&
+          std::equal(std::istreambuf_iterator<char>(in), {}, file.bytes.begin(), file.bytes.end()))
         continue;
     }
-    if (auto written = write_output_file(*path, OutputKind::other, file.bytes, rules); !written)
+    if (there != fs::file_type::not_found)
+      if (auto allowed = check_output(*path, OutputKind::other, rules); !allowed) return allowed;
+    todo.emplace_back(*path, &file);
+  }
+  for (const auto& [path, file] : todo) {
+    fs::create_directories(fs::path(path).parent_path(), fault);
+    if (auto written = write_output_file(path, OutputKind::other, file->bytes, rules); !written)
       return written;
   }
   return {};

@@ -21,12 +21,14 @@ RobotModel MjcfReader::read(XmlElement& root) {
   classes_["main"];
   for (const auto& e : root.children)
     if (e->name == "default") default_class(*e, "main", true);
+  robot_.step = 0.002;  // MuJoCo's own
   for (const auto& e : root.children) {
     if (e->name == "option") option(*e);
     if (e->name == "asset") assets(*e);
   }
   for (const auto& e : root.children)
     if (e->name != "worldbody") note_joints(*e, 0);
+  if (touching_by_ == "dynamic") paired_geoms_.clear();
   for (const auto& e : root.children)
     if (e->name == "worldbody") world(*e, "");
   set_total_mass();
@@ -38,7 +40,11 @@ RobotModel MjcfReader::read(XmlElement& root) {
       for (const auto& c : e->children) equality(*c);
   for (Tendon& t : tendons_) tendon_passive(t);
   for (const auto& e : root.children) section(*e);
+  make_gimbals();
+  surfaces();
+  write_softness();
   keyframes(root);
+  start_at_welds();
   if (robot_.links.empty()) context_.refuse(root.at, "CG1405", "the model has no body");
   return std::move(robot_);
 }
@@ -52,6 +58,7 @@ void MjcfReader::include(XmlElement& in, int depth) {
       include(e, depth + 1);
       continue;
     }
+    context_.spend(100 + 2 * in.children.size(), e.at);
     const std::string* file = e.find("file");
     if (file == nullptr) context_.refuse(e.at, "CG1404", "<include> has no file");
     auto path = context_.locate(*file, e.at);
@@ -112,10 +119,75 @@ void MjcfReader::option(const XmlElement& e) {
   if (e.find("gravity") != nullptr) robot_.gravity = context_.vec3(e, "gravity", Vec3(0, 0, -9.81));
   for (const auto& [key, value] : e.attributes) {
     if (key == "timestep" || key == "gravity") continue;
+    const std::string what = fmt::format("option {}", key);
     if (key == "density" || key == "viscosity" || key == "wind")
-      context_.left_out(e.at, fmt::format("option {}", key), "forces of a fluid are not simulated");
+      context_.left_out(e.at, what, "forces of a fluid are not simulated");
+    else if (key == "collision")
+      touching_by_ = value;
     else
-      context_.left_out(e.at, fmt::format("option {}", key), "is a setting of MuJoCo's solver");
+      solver_option(e, key, value);
+  }
+  for (const auto& c : e.children) {
+    if (c->name != "flag") continue;
+    for (const auto& [key, value] : c->attributes) flag(*c, key, value == "enable");
+  }
+}
+
+void MjcfReader::solver_option(const XmlElement& e, const std::string& key,
+                               const std::string& value) {
+  const std::string what = fmt::format("option {}", key);
+  struct Choice {
+    std::string_view name, usual, values;
+  };
+  constexpr Choice kChoices[] = {{"integrator", "Euler", " Euler RK4 implicit "},
+                                 {"solver", "Newton", " PGS CG Newton "},
+                                 {"cone", "pyramidal", " pyramidal elliptic "},
+                                 {"jacobian", "auto", " dense sparse auto "}};
+  for (const Choice& c : kChoices) {
+    if (key != c.name) continue;
+    if (value == "implicitfast")
+      of_mujoco(e.at, what, "integrator", "implicit", "Euler", "is 'implicit' here");
+    else if (c.values.find(" " + value + " ") != std::string_view::npos)
+      of_mujoco(e.at, what, key.c_str(), value, std::string(c.usual), "");
+    else
+      context_.left_out(e.at, what, "has no value '" + value + "'");
+    return;
+  }
+  struct Number {
+    const char *attribute, *name;
+    double usual, least, most;
+  };
+  constexpr Number kNumbers[] = {{"iterations", "iterations", 100, 1, 1e5},
+                                 {"tolerance", "tolerance", 1e-8, 0, 1},
+                                 {"noslip_iterations", "noslip-iterations", 0, 0, 1e5},
+                                 {"impratio", "impratio", 1, 1e-6, 1e6}};
+  for (const Number& n : kNumbers) {
+    if (key != n.attribute) continue;
+    const auto v = context_.number(e, n.attribute);
+    if (v && *v >= n.least && *v <= n.most)
+      of_mujoco(e.at, what, n.name, fmt::format("{}", *v), fmt::format("{}", n.usual), "");
+    else if (v)
+      context_.left_out(e.at, what, fmt::format("{} is not from {} to {}", *v, n.least, n.most));
+    return;
+  }
+  context_.left_out(e.at, what, "is a setting of MuJoCo's solver");
+}
+
+void MjcfReader::flag(const XmlElement& e, const std::string& key, bool on) {
+  const std::string what = fmt::format("flag {}", key);
+  static const std::set<std::string> kOfMotion = {"constraint", "equality",  "frictionloss",
+                                                  "limit",      "contact",   "passive",
+                                                  "gravity",    "actuation", "clampctrl"};
+  if (key == "multiccd") {
+    of_mujoco(e.at, what, "multiccd", on ? "true" : "false", "false", "");
+  } else if (kOfMotion.count(key) != 0) {
+    if (on) return;
+    disabled_.insert(key);
+    if (key == "constraint") disabled_.insert({"equality", "frictionloss", "limit", "contact"});
+    if (key == "gravity") robot_.gravity = Vec3::Zero();
+    context_.exact(e.at, what, "what it switches off is not in the scene");
+  } else if (key != "energy" && key != "midphase" && key != "warmstart" && key != "refsafe") {
+    context_.left_out(e.at, what, "is a setting of MuJoCo");
   }
 }
 
@@ -125,23 +197,25 @@ void MjcfReader::settings(const XmlElement& root) {
   constexpr std::string_view kRigid = "limits, loops and couplings of a scene are rigid";
   report_settings(
       context_, root,
-      {{"geom pair", "solref solimp solreffriction solmix margin gap priority", kContacts, "0"},
+      {{"pair", "solref solimp solreffriction margin gap", kContacts, "0"},
+       {"geom", "gap", kContacts, "0"},
        {"geom", "fluidshape fluidcoef", kFluid, "none"},
        {"geom", "fitscale", "primitives that are fitted to meshes are not read", "1"},
        {"geom mesh", "shellinertia", "masses are those of full shapes", "false"},
        {"mesh", "inertia", "masses are those of the mesh's volume", "exact"},
-       {"joint freejoint equality connect weld tendon spatial fixed",
-        "solref solimp solreflimit solimplimit solreffriction solimpfriction margin torquescale",
+       {"tendon spatial fixed", "solreflimit solimplimit solreffriction solimpfriction margin",
         kRigid, "0"},
+       {"joint", "margin", kRigid, "0"},
+       {"equality weld", "torquescale", kRigid, "1"},
        {"joint", "springdamper", "a spring has the stiffness and damping as written", "0 0"},
        {"joint tendon", "actuatorgravcomp", "motors have their whole effort", "false"},
-       {"position intvelocity", "ctrlrange inheritrange", "targets of a servo have no bounds", "0"},
        {"compiler", "balanceinertia", "inertias become the nearest that a body can have",
         "false"}});
 }
 
 void MjcfReader::section(const XmlElement& e) {
   if (e.name == "actuator") {
+    if (disabled_.count("actuation") != 0) return;
     for (const auto& c : e.children) actuator(*c);
   } else if (e.name == "contact") {
     for (const auto& c : e.children) contact(*c);
@@ -152,8 +226,11 @@ void MjcfReader::section(const XmlElement& e) {
              e.name != "equality" && e.name != "keyframe") {
     static const std::set<std::string> kSettings = {"size", "visual", "statistic", "custom",
                                                     "extension"};
-    context_.left_out(e.at, fmt::format("<{}>", e.name),
-                      kSettings.count(e.name) != 0 ? "concerns MuJoCo" : "is not read");
+    const std::string what = fmt::format("<{}>", e.name);
+    if (kSettings.count(e.name) != 0)
+      context_.left_aside(e.at, what, "concerns MuJoCo");
+    else
+      context_.left_out(e.at, what, "is not read");
   }
 }
 
@@ -163,6 +240,8 @@ void MjcfReader::contact(const XmlElement& e) {
   if (e.name == "exclude" && a != nullptr && b != nullptr) {
     robot_.no_contact.emplace_back(*a, *b);
     context_.exact(e.at, fmt::format("no contact of '{}' and '{}'", *a, *b));
+  } else if (e.name == "pair" && touching_by_ == "dynamic") {
+    context_.exact(e.at, quoted_name(e), "is not in the scene, by the option collision");
   } else if (e.name == "pair" && one != nullptr && two != nullptr) {
     const std::string what = fmt::format("contact of '{}' and '{}'", *one, *two);
     for (const std::string* name : {one, two})
@@ -171,10 +250,7 @@ void MjcfReader::contact(const XmlElement& e) {
         return;
       }
     robot_.touching.emplace_back(*one, *two);
-    const XmlElement all = with_defaults(e, "");
-    const bool plain = all.find("friction") == nullptr && all.find("condim") == nullptr;
-    context_.exact_unless(e.at, what,
-                          plain ? "" : "has the friction of the two shapes, not of the pair");
+    pairs_.push_back(with_defaults(e, ""));
   } else {
     context_.left_out(e.at, quoted_name(e), "names neither two bodies nor two geoms");
   }

@@ -17,8 +17,9 @@ double MjcfReader::parameter(const XmlElement& e, const char* name, std::size_t 
   return v && i < v->size() ? (*v)[i] : otherwise;
 }
 
-double MjcfReader::largest(const XmlElement& e, const std::string& of) {
-  const double none = std::numeric_limits<double>::infinity();
+std::pair<double, double> MjcfReader::bounds(const XmlElement& e, const std::string& of) {
+  const std::pair<double, double> none{-std::numeric_limits<double>::infinity(),
+                                       std::numeric_limits<double>::infinity()};
   const std::string range = of + "range";
   const std::string *text = e.find(range), *limited = e.find(of + "limited");
   const bool by_itself = limited == nullptr || *limited == "auto";
@@ -30,7 +31,31 @@ double MjcfReader::largest(const XmlElement& e, const std::string& of) {
                    "two numbers are expected, the second above the first");
     return none;
   }
-  return std::max(std::abs((*v)[0]), std::abs((*v)[1]));
+  return {(*v)[0], (*v)[1]};
+}
+
+std::pair<double, double> MjcfReader::control_range(const XmlElement& e, const Transmission& acts) {
+  const double none = std::numeric_limits<double>::infinity();
+  if (disabled_.count("clampctrl") != 0) return {-none, none};
+  const double inherits = context_.number(e, "inheritrange", 0.0);
+  if (inherits > 0.0 && e.find("ctrlrange") == nullptr && acts.joints.size() == 1) {
+    const RobotJoint& j = joint_at(acts.joints.front().first);
+    const double middle = 0.5 * (j.lower + j.upper) + acts.at_zero;
+    const double half = 0.5 * inherits * (j.upper - j.lower);
+    if (std::isfinite(half)) return {middle - half, middle + half};
+  }
+  return bounds(e, "ctrl");
+}
+
+// What is bounded by the largest effort or by the joint's limits needs no bounds of its own.
+void MjcfReader::bound_target(const Control& u, RobotDrive& drive) const {
+  double low = u.scale * u.least + u.offset, high = u.scale * u.most + u.offset;
+  if (low > high) std::swap(low, high);
+  const RobotJoint& j = robot_.joints[robot_.joint(drive.joint)];
+  const bool holds = drive.mode == RobotDrive::Mode::position;
+  const bool pulls = drive.mode == RobotDrive::Mode::torque;
+  if (low > (holds ? j.lower : pulls ? -drive.max_effort : -kInfinity)) drive.min_target = low;
+  if (high < (holds ? j.upper : pulls ? drive.max_effort : kInfinity)) drive.max_target = high;
 }
 
 std::optional<MjcfReader::Transmission> MjcfReader::actuator_joints(const XmlElement& source,
@@ -72,7 +97,7 @@ std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement
     out.gain = context_.number(e, "kp", 1.0);
     out.b1 = -out.gain;
     out.b2 = -context_.number(e, "kv", 0.0);
-    if (e.find("dampratio") != nullptr) out.note = "dampratio is not taken over: it has no damping";
+    out.damping_ratio = std::max(0.0, context_.number(e, "dampratio", 0.0));
   } else if (source.name == "velocity") {
     out.mode = Mode::velocity;
     out.note = kAtOnce;
@@ -115,6 +140,97 @@ std::optional<MjcfReader::ActuatorLaw> MjcfReader::actuator_law(const XmlElement
   return out;
 }
 
+// MuJoCo's torque on a ball joint is gear times the force, in the axes of the child. Motors of a scene
+// drive axes: the ball becomes a gimbal, whose last axis is that of the first motor and is fixed in the
+// child, as the gear is.
+void MjcfReader::ball_motor(const XmlElement& source, const XmlElement& e, int joint,
+                            const ActuatorLaw& law) {
+  const auto left_out = [&](const char* why) {
+    context_.left_out(source.at, quoted_name(source), why);
+  };
+  const Vec3 gear(parameter(e, "gear", 0, 1.0), parameter(e, "gear", 1, 0.0),
+                  parameter(e, "gear", 2, 0.0));
+  const double size = gear.norm();
+  if (law.mode != RobotDrive::Mode::torque)
+    return left_out("holds the rotation of a ball joint, which no drive of a scene does");
+  if (size < 1e-12) return left_out("its gear is zero");
+  std::vector<Vec3>& axes = ball_axes_[joint];
+  const Vec3 along = gear / size;
+  const auto parallel = [&](const Vec3& a) { return std::abs(a.dot(along)) > 1.0 - 1e-9; };
+  auto axis = std::find_if(axes.begin(), axes.end(), parallel);
+  if (axis == axes.end()) {
+    if (std::any_of(axes.begin(), axes.end(),
+                    [&](const Vec3& a) { return std::abs(a.dot(along)) > 1e-9; }))
+      return left_out("its gear is not at right angles to those of the joint's other motors");
+    axes.push_back(axes.size() == 2 ? axes[1].cross(axes[0]) : along);
+    axis = axes.end() - 1;
+  }
+  const double scale = law.gain * size * (axis->dot(along) > 0.0 ? 1.0 : -1.0);
+  RobotDrive out;
+  out.joint = joint_at(joint).name;
+  out.name = name_of(source, "motor");
+  out.at = source.at;
+  out.axis = 3 - static_cast<int>(axis - axes.begin());
+  const auto forces = bounds(e, "force");
+  out.max_effort = size * std::max(std::abs(forces.first), std::abs(forces.second));
+  const auto [least, most] = bounds(e, "ctrl");
+  const Control u{robot_.drives.size(), scale, 0.0, least, most};
+  bound_target(u, out);
+  if (u.of(0.0) != 0.0) out.target = u.of(0.0);
+  controls_.back().push_back(u);
+  robot_.drives.push_back(std::move(out));
+  context_.exact_unless(source.at, quoted_name(source), law.note,
+                        scale == 1.0 ? "" : fmt::format("its control u is {:.6g} u here", scale));
+}
+
+void MjcfReader::make_gimbals() {
+  for (const auto& [index, axes] : ball_axes_) {
+    if (axes.empty()) continue;
+    RobotJoint& j = joint_at(index);
+    j.type = RobotJoint::Type::gimbal;
+    j.axis2 = axes.size() > 1 ? axes[1] : axes[0].unitOrthogonal();
+    j.axis = j.axis2.cross(axes[0]);
+    context_.approximate(
+        j.at, fmt::format("joint '{}'", j.name),
+        "is a gimbal of three hinges, as motors drive no ball joint: the same near "
+        "its zero, and singular where its second angle is 90 degrees");
+    if (std::isfinite(j.upper))
+      context_.left_out(j.at, fmt::format("range of joint '{}'", j.name),
+                        "a gimbal has a limit of each angle");
+  }
+}
+
+// The diagonal of MuJoCo's mass matrix where all joints are at their zero: of all that the joint
+// carries, about its axis.
+double MjcfReader::inertia_on(int joint) const {
+  const RobotJoint& j = joint_at(joint);
+  const auto count = robot_.links.size();
+  std::vector<Pose> X(count);  // of what it carries, in its child
+  std::vector<bool> carried(count, false);
+  carried[static_cast<std::size_t>(j.child)] = true;
+  double out = j.rotor_inertia;
+  const auto add = [&](std::size_t link) {
+    const auto& body = robot_.links[link].inertia;
+    if (!body) return;
+    const Vec3 axis = X[link].q.conjugate() * j.axis;
+    const Vec3 arm = X[link] * body->com - j.anchor;
+    out += j.type == RobotJoint::Type::slider
+               ? body->mass
+               : axis.dot(body->I * axis) + body->mass * j.axis.cross(arm).squaredNorm();
+  };
+  add(static_cast<std::size_t>(j.child));
+  // Parents come before their children.
+  for (std::size_t i = static_cast<std::size_t>(joint) + 1; i < robot_.joints.size(); ++i) {
+    const RobotJoint& k = robot_.joints[i];
+    if (k.parent < 0 || !carried[static_cast<std::size_t>(k.parent)]) continue;
+    const auto child = static_cast<std::size_t>(k.child);
+    carried[child] = true;
+    X[child] = X[static_cast<std::size_t>(k.parent)] * k.X_PC;
+    add(child);
+  }
+  return out;
+}
+
 void MjcfReader::actuator(const XmlElement& source) {
   using Mode = RobotDrive::Mode;
   const XmlElement e = with_defaults(source, "");
@@ -123,8 +239,18 @@ void MjcfReader::actuator(const XmlElement& source) {
   if (!acts) return;
   const auto law = actuator_law(source, e);
   if (!law) return;
+  if (const int only = acts->joints.front().first;
+      acts->joints.size() == 1 && joint_at(only).type == RobotJoint::Type::ball) {
+    ball_motor(source, e, only, *law);
+    return;
+  }
   const double gear = parameter(e, "gear", 0, 1.0);
-  const double force = largest(e, "force"), control = largest(e, "ctrl");
+  const auto forces = bounds(e, "force");
+  const double force = std::max(std::abs(forces.first), std::abs(forces.second));
+  const auto range = control_range(e, *acts);
+  if (forces.first != -forces.second)
+    context_.approximate(source.at, fmt::format("forcerange of {}", quoted_name(source)),
+                         fmt::format("bounds both directions by {}", force));
   const bool several = acts->joints.size() > 1;
   if (several && law->mode != Mode::torque) {
     context_.left_out(source.at, quoted_name(source),
@@ -146,10 +272,13 @@ void MjcfReader::actuator(const XmlElement& source) {
     const double s = gear * coef;
     if (s == 0.0) continue;
     out.max_effort = force * std::abs(s);
+    const auto reach = std::max(std::abs(range.first), std::abs(range.second));
     if (law->mode == Mode::torque)
-      out.max_effort = std::min(force, control * std::abs(law->gain)) * std::abs(s);
+      out.max_effort = std::min(force, reach * std::abs(law->gain)) * std::abs(s);
     out.kp = -law->b1 * s * s;
     out.kd = -law->b2 * s * s;
+    if (law->damping_ratio > 0.0)
+      out.kd += 2.0 * law->damping_ratio * std::sqrt(out.kp * inertia_on(joint));
     // What its control u is for the joint: the effort, speed or target scale u + offset.
     double scale = law->gain * s, offset = 0.0;
     if (law->mode == Mode::velocity) scale = 1.0 / s;
@@ -163,7 +292,10 @@ void MjcfReader::actuator(const XmlElement& source) {
                                                 : fmt::format(" {} {:.6g}", offset < 0 ? "-" : "+",
                                                               std::abs(offset)),
                                   out.joint));
-    controls_.back().push_back({robot_.drives.size(), scale, offset});
+    const Control u{robot_.drives.size(), scale, offset, range.first, range.second};
+    bound_target(u, out);
+    if (u.of(0.0) != 0.0 || law->mode == Mode::position) out.target = u.of(0.0);
+    controls_.back().push_back(u);
     robot_.drives.push_back(std::move(out));
   }
   if (!acts->followers.empty())
@@ -190,12 +322,24 @@ std::string MjcfReader::beyond_linear(const std::vector<double>& poly) {
   return linear ? "" : "only its linear part is taken";
 }
 
+std::optional<Pose> MjcfReader::relpose(const XmlElement& source, const XmlElement& e) {
+  const std::string* text = source.name == "weld" ? e.find("relpose") : nullptr;
+  const auto v =
+      text == nullptr ? std::nullopt : context_.numbers(source, *text, 7, 7, "'relpose'");
+  if (!v) return std::nullopt;
+  const Quat turn((*v)[3], (*v)[4], (*v)[5], (*v)[6]);
+  if (turn.norm() < 1e-9) return std::nullopt;  // as the bodies are at zero
+  return Pose(Vec3((*v)[0], (*v)[1], (*v)[2]), turn.normalized());
+}
+
 void MjcfReader::equality(const XmlElement& source) {
   const XmlElement e = with_defaults(source, "", "equality");
+  if (disabled_.count("equality") != 0) return;
   if (const std::string* active = e.find("active"); active != nullptr && *active == "false") {
     context_.left_out(source.at, quoted_name(source), "is not active");
     return;
   }
+  note_softness(source, e, "equality", "");
   if (source.name == "joint") {
     const std::string *a = e.find("joint1"), *b = e.find("joint2");
     const int one = a == nullptr ? -1 : joint_index(*a);
@@ -230,8 +374,11 @@ void MjcfReader::equality(const XmlElement& source) {
     j.parent = two;
     j.child = one;
     j.anchor = context_.vec3(e, "anchor", Vec3::Zero());
+    const auto relative = relpose(source, e);
+    if (relative) welds_.push_back({one, two, *relative, j.name, source.at});
     robot_.loops.push_back(std::move(j));
-    context_.approximate(source.at, quoted_name(source), "is rigid, where MuJoCo's is soft");
+    if (!relative)
+      context_.approximate(source.at, quoted_name(source), "is rigid, where MuJoCo's is soft");
     return;
   }
   if (source.name == "tendon")
@@ -241,12 +388,12 @@ void MjcfReader::equality(const XmlElement& source) {
 }
 
 void MjcfReader::sensor(const XmlElement& e) {
-  const std::string* site = e.find("site");
+  const Context::Aside reads(context_);
+  const std::string& kind = e.name;
   const std::string* joint = e.find("joint");
   RobotSensor out;
   out.name = name_of(e, e.name.c_str());
   out.at = e.at;
-  const std::string& kind = e.name;
   if ((kind == "jointpos" || kind == "jointvel") && joint != nullptr && robot_.joint(*joint) >= 0) {
     if (!encoders_.insert(*joint).second) {
       context_.exact(e.at, quoted_name(e), "the joint's encoder reads both");
@@ -255,30 +402,61 @@ void MjcfReader::sensor(const XmlElement& e) {
     out.element = "encoder";
     out.joint = *joint;
     const RobotJoint& j = robot_.joints[robot_.joint(*joint)];
-    RobotLink& link = robot_.links[j.child];
     context_.exact(e.at, quoted_name(e));
-    link.sensors.push_back(std::move(out));
+    robot_.links[j.child].sensors.push_back(std::move(out));
     return;
   }
-  const auto known = site == nullptr ? sites_.end() : sites_.find(*site);
-  if (known != sites_.end() && (kind == "gyro" || kind == "accelerometer" || kind == "touch" ||
-                                kind == "framequat" || kind == "framepos")) {
-    out.element = kind == "touch" ? "contact" : kind[0] == 'f' ? "pose" : "imu";
-    if (!at_site_.insert(out.element + *site).second) {
-      context_.exact(e.at, quoted_name(e),
-                     fmt::format("the {} at its site reads both", out.element));
-      return;
-    }
-    out.X = known->second.second;
-    RobotLink& link = robot_.links[robot_.link(known->second.first)];
-    if (kind == "touch")
-      context_.approximate(e.at, quoted_name(e), "reads all contacts of its body");
-    else
-      context_.exact(e.at, quoted_name(e));
-    link.sensors.push_back(std::move(out));
+  static const std::map<std::string_view, std::pair<const char*, const char*>> kKinds = {
+      {"gyro", {"imu", ""}},
+      {"accelerometer", {"imu", ""}},
+      {"touch", {"contact", "reads all contacts of its body"}},
+      {"velocimeter", {"pose", "reads the velocity in the world's axes, not in the site's"}},
+      {"framepos", {"pose", ""}},
+      {"framequat", {"pose", ""}},
+      {"framelinvel", {"pose", ""}},
+      {"frameangvel", {"pose", ""}}};
+  const auto known = kKinds.find(kind);
+  std::string why = fmt::format("there is no sensor like <{}>", kind);
+  const auto place = known == kKinds.end() ? std::nullopt : sensor_place(e, why);
+  if (!place) {
+    context_.left_out(e.at, quoted_name(e), why);
     return;
   }
-  context_.left_out(e.at, quoted_name(e), fmt::format("there is no sensor like <{}>", kind));
+  out.element = known->second.first;
+  if (!at_site_.insert(fmt::format("{} {} {}", out.element, place->link, place->name)).second) {
+    context_.exact_unless(e.at, quoted_name(e), known->second.second,
+                          fmt::format("the {} at its place reads both", out.element));
+    return;
+  }
+  out.X = place->X;
+  context_.exact_unless(e.at, quoted_name(e), known->second.second);
+  robot_.links[place->link].sensors.push_back(std::move(out));
+}
+
+std::optional<MjcfReader::SensorPlace> MjcfReader::sensor_place(const XmlElement& e,
+                                                                std::string& why) {
+  const std::string *site = e.find("site"), *of = e.find("objname"), *type = e.find("objtype");
+  if (type != nullptr && *type == "site") site = of;
+  if (e.find("reftype") != nullptr || e.find("refname") != nullptr) {
+    why = "reads relative to another frame, where a <pose> reads in the world";
+    return std::nullopt;
+  }
+  if (site != nullptr) {
+    const auto known = sites_.find(*site);
+    why = fmt::format("there is no site '{}'", *site);
+    if (known == sites_.end()) return std::nullopt;
+    return SensorPlace{robot_.link(known->second.first), *site, known->second.second};
+  }
+  const bool inertial = type != nullptr && *type == "body";
+  const int link =
+      of != nullptr && type != nullptr && (inertial || *type == "xbody") ? robot_.link(*of) : -1;
+  why = "is at no site or body";
+  if (link < 0) return std::nullopt;
+  if (!inertial) return SensorPlace{link, "", Pose()};
+  const auto& mass = robot_.links[link].inertia;
+  why = "reads the principal axes of the body";
+  if (e.name == "framequat" || !mass) return std::nullopt;
+  return SensorPlace{link, "com", Pose(mass->com, Quat::Identity())};
 }
 
 }  // namespace cogrsim::dsl::import

@@ -44,10 +44,10 @@ void MjcfReader::world(const XmlElement& e, const std::string& around) {
       link.frames.push_back({name, X, true});
     } else if (c->name == "camera") {
       ground().sensors.push_back(camera(*c, with_defaults(*c, inner)));
+    } else if (c->name == "light") {
+      context_.left_aside(c->at, quoted_name(*c), "concerns appearance only");
     } else {
-      context_.left_out(
-          c->at, quoted_name(*c),
-          c->name == "light" ? "concerns appearance only" : "is not read, nor is what is in it");
+      context_.left_out(c->at, quoted_name(*c), "is not read, nor is what is in it");
     }
   }
 }
@@ -57,7 +57,7 @@ RobotLink& MjcfReader::ground() {
   if (known >= 0) return robot_.links[known];
   RobotLink link;
   link.name = "world";
-  link.is_static = true;
+  link.is_static = link.is_ground = true;
   robot_.links.push_back(std::move(link));
   return robot_.links.back();
 }
@@ -88,12 +88,13 @@ void MjcfReader::body(const XmlElement& e, int parent, const std::string& around
   const Pose outer = std::exchange(frame_, Pose());
   parts_of_body(e, inner, parts);
   link.inertia = inertia_of(parts);
+  if (parts.free_joint != nullptr) free_joint(*parts.free_joint, link);
   for (const auto& [key, value] : e.attributes) {
     if (key == "mocap" && value == "true") {
       link.is_static = true;
       context_.approximate(e.at, quoted_name(e), "a mocap body is static: nothing moves it here");
-    } else if (key == "gravcomp") {
-      link.gravity_scale = 1.0 - context_.number(e, "gravcomp", 0.0);
+    } else if (key == "gravcomp" && disabled_.count("passive") == 0) {
+      link.gravity_scale *= 1.0 - context_.number(e, "gravcomp", 0.0);
     }
   }
   context_.exact(e.at, quoted_name(e));
@@ -129,10 +130,12 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
   } else if (c.name == "joint") {
     XmlElement j = with_defaults(c, around);
     const std::string* type = j.find("type");
-    if (type != nullptr && *type == "free")
+    if (type != nullptr && *type == "free") {
       parts.is_free = true;
-    else
+      parts.free_joint = std::make_unique<XmlElement>(std::move(j));
+    } else {
       parts.joints.push_back({&c, std::move(j), frame_});
+    }
   } else if (c.name == "inertial") {
     parts.inertial = &c;
   } else if (c.name == "geom") {
@@ -153,12 +156,16 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
   } else if (c.name == "camera") {
     link.sensors.push_back(camera(c, with_defaults(c, around)));
   } else {
-    context_.left_out(c.at, fmt::format("<{}> of body '{}'", c.name, link.name),
-                      c.name == "light" ? "concerns appearance only" : "is not read");
+    const std::string what = fmt::format("<{}> of body '{}'", c.name, link.name);
+    if (c.name == "light")
+      context_.left_aside(c.at, what, "concerns appearance only");
+    else
+      context_.left_out(c.at, what, "is not read");
   }
 }
 
 RobotSensor MjcfReader::camera(const XmlElement& source, const XmlElement& e) {
+  const Context::Aside looks(context_);
   RobotSensor out;
   out.name = name_of(source, "camera");
   out.element = "camera";
@@ -293,6 +300,33 @@ std::optional<RobotInertia> MjcfReader::given_inertia(const XmlElement& e) {
   return out;
 }
 
+// MuJoCo has the damping, the armature a and the dry friction of a joint for each of the six speeds of a
+// free one: at its origin, -d v and -d w, and a mass and an inertia of a, which have no weight.
+void MjcfReader::free_joint(const XmlElement& e, RobotLink& link) {
+  const auto law = [&](const char* name, const char* flag) {
+    return disabled_.count(flag) == 0 ? std::max(0.0, context_.number(e, name, 0.0)) : 0.0;
+  };
+  const std::string what = fmt::format("free joint of body '{}'", link.name);
+  link.free_damping = law("damping", "passive");
+  if (link.free_damping > 0.0)
+    context_.exact(e.at, "damping of the " + what, "is a <drag> on the body");
+  if (law("frictionloss", "frictionloss") > 0.0)
+    context_.left_out(e.at, "frictionloss of the " + what, "a body without joint has no friction");
+  if (law("stiffness", "passive") > 0.0)
+    context_.left_out(e.at, "stiffness of the " + what, "a body without joint has no spring");
+  const double armature = law("armature", "");
+  if (!(armature > 0.0) || !link.inertia) return;
+  RobotInertia& body = *link.inertia;
+  const double weighs = body.mass / (body.mass + armature);
+  const bool off_centre = body.com.norm() > 1e-9;
+  body = sum({body, {armature, Vec3::Zero(), armature * Mat3::Identity()}});
+  link.gravity_scale *= weighs;
+  context_.exact_unless(
+      e.at, "armature of the " + what,
+      off_centre ? "the weight acts at the centre of mass of body and armature together" : "",
+      fmt::format("is {} kg and kg m^2 more of the body, without weight", armature));
+}
+
 int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Pose& X_PB,
                        const std::vector<JointSource>& joints, bool is_free) {
   using Type = RobotJoint::Type;
@@ -310,7 +344,7 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
       context_.error(e.at, "CG1413", "a free joint belongs to a body of the world");
       return j.child;
     }
-    if (is_free) coordinates_.push_back({static_cast<int>(robot_.joints.size()), 7, {}});
+    if (is_free) coordinates_.push_back({static_cast<int>(robot_.joints.size()), 7, {}, 0.0});
     robot_.joints.push_back(std::move(j));
     return static_cast<int>(robot_.links.size()) - 1;
   }
@@ -326,7 +360,7 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
       const Pose part = k.type == Type::hinge
                             ? Pose(Vec3::Zero(), Quat(Eigen::AngleAxisd(1.0, k.axis)))
                             : Pose(k.axis, Quat::Identity());
-      coordinates_.push_back({static_cast<int>(robot_.joints.size()), 1, part});
+      coordinates_.push_back({static_cast<int>(robot_.joints.size()), 1, part, ref_of(k)});
     }
     context_.exact(j.at, fmt::format("joints of body '{}'", link.name),
                    fmt::format("are one planar joint, '{}'", j.name));
@@ -353,7 +387,8 @@ int MjcfReader::attach(const XmlElement& e, RobotLink link, int parent, const Po
     if (made[i].type != Type::planar)
       coordinates_.push_back({static_cast<int>(robot_.joints.size()),
                               made[i].type == Type::ball ? std::size_t{4} : std::size_t{1},
-                              {}});
+                              {},
+                              ref_of(made[i])});
     robot_.joints.push_back(made[i]);
   }
   return from;
@@ -408,17 +443,22 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e, cons
   if (is_limited(e)) {
     const auto v = context_.numbers(source, *e.find("range"), 2, 2, "'range'");
     if (v && out.type == Type::ball) {
-      context_.left_out(source.at, fmt::format("range of joint '{}'", out.name),
-                        "the cone of a ball joint is not taken over");
+      const double cone = angle(std::max((*v)[0], (*v)[1]));
+      if (cone > 0.0 && cone <= kPi) out.upper = cone;
     } else if (v) {
       out.lower = coordinate((*v)[0]) - ref;
       out.upper = coordinate((*v)[1]) - ref;
       if (out.lower > out.upper) std::swap(out.lower, out.upper);
     }
   }
-  out.damping = std::max(0.0, context_.number(e, "damping", 0.0));
-  out.friction = std::max(0.0, context_.number(e, "frictionloss", 0.0));
-  out.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
+  if (disabled_.count("passive") == 0) {
+    out.damping = std::max(0.0, context_.number(e, "damping", 0.0));
+    out.stiffness = std::max(0.0, context_.number(e, "stiffness", 0.0));
+  }
+  if (disabled_.count("frictionloss") == 0)
+    out.friction = std::max(0.0, context_.number(e, "frictionloss", 0.0));
+  if (is_limited(e)) note_softness(source, e, "limit", "limit");
+  if (out.friction > 0.0) note_softness(source, e, "friction", "friction");
   out.rest = coordinate(context_.number(e, "springref", 0.0)) - ref;
   out.rotor_inertia = std::max(0.0, context_.number(e, "armature", 0.0));
   if (const std::string* range = e.find("actuatorfrcrange"); range != nullptr && out.has_one_axis())

@@ -3,21 +3,33 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
-
-#include "cogrsim/core/parameter.h"
+#include <iterator>
 
 namespace cogrsim::dsl::import {
+
+void MjcfReader::override_by(const XmlElement& e, Attributes& all) {
+  // An orientation has five spellings: one that is written takes the place of any other.
+  constexpr const char* kOrientations[] = {"quat", "axisangle", "euler", "xyaxes", "zaxis"};
+  if (std::any_of(std::begin(kOrientations), std::end(kOrientations),
+                  [&](const char* name) { return e.find(name) != nullptr; }))
+    for (const char* name : kOrientations) all.erase(name);
+  for (const auto& [key, value] : e.attributes) {
+    if (value.empty())
+      all.erase(key);
+    else
+      all[key] = value;
+  }
+}
 
 void MjcfReader::default_class(const XmlElement& e, const std::string& parent, bool top) {
   std::string name = parent;
   if (const std::string* own = e.find("class")) name = *own;
   if (!top || name != "main") classes_[name] = classes_[parent];
   Defaults& d = classes_[name];
-  for (const auto& c : e.children) {
-    if (c->name == "default") continue;
-    for (const auto& [key, value] : c->attributes) d[c->name][key] = value;
-  }
+  for (const auto& c : e.children)
+    if (c->name != "default") override_by(*c, d[c->name]);
   for (const auto& c : e.children)
     if (c->name == "default") default_class(*c, name, false);
 }
@@ -59,7 +71,7 @@ void MjcfReader::assets(const XmlElement& e) {
       }
       context_.exact(c->at, quoted_name(*c), "its colour, without texture and gloss");
     } else if (c->name == "texture" || c->name == "skin") {
-      context_.left_out(c->at, quoted_name(*c), "concerns appearance only");
+      context_.left_aside(c->at, quoted_name(*c), "concerns appearance only");
     } else {
       context_.left_out(c->at, quoted_name(*c), fmt::format("<{}> is not read", c->name));
     }
@@ -77,7 +89,7 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
   if (known == classes_.end()) {
     std::vector<std::string> names;
     for (const auto& [n, d] : classes_) names.push_back(n);
-    const std::string near = nearest_name(name, names);
+    const std::string near = context_.near(name, names);
     context_.error(e.at, "CG1408", fmt::format("there is no default class '{}'", name),
                    near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     known = classes_.find("main");
@@ -85,14 +97,28 @@ XmlElement MjcfReader::with_defaults(const XmlElement& e, const std::string& aro
   Attributes all;
   if (const auto of = known->second.find(as.empty() ? e.name : as); of != known->second.end())
     all = of->second;
-  for (const auto& [key, value] : e.attributes) {
-    if (value.empty())
-      all.erase(key);
-    else
-      all[key] = value;
-  }
+  override_by(e, all);
   for (auto& [key, value] : all) out.attributes.emplace_back(key, value);
   return out;
+}
+
+Pose MjcfReader::pose(const XmlElement& e) {
+  double half = 0.0;
+  if (e.name == "site")
+    if (const auto between = from_to(e, e, half)) return *between;
+  return frame_ * Pose(context_.vec3(e, "pos", Vec3::Zero()), orientation(e));
+}
+
+std::optional<Pose> MjcfReader::from_to(const XmlElement& source, const XmlElement& e,
+                                        double& half) {
+  const std::string* text = e.find("fromto");
+  const auto v = text == nullptr ? std::nullopt : context_.numbers(source, *text, 6, 6, "'fromto'");
+  if (!v) return std::nullopt;
+  const Vec3 a((*v)[0], (*v)[1], (*v)[2]), b((*v)[3], (*v)[4], (*v)[5]);
+  half = 0.5 * (b - a).norm();
+  Pose X(0.5 * (a + b), Quat::Identity());
+  if (half > 1e-12) X.q = Quat::FromTwoVectors(Vec3::UnitZ(), a - b).normalized();
+  return frame_ * X;
 }
 
 Quat MjcfReader::turn(const Vec3& euler) const {

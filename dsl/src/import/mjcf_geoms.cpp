@@ -24,23 +24,17 @@ bool MjcfReader::geom(const XmlElement& source, const XmlElement& e, const std::
   if (out.geometry.type == Geometry::Type::ellipsoid)
     context_.approximate(source.at, what,
                          "touches as a hull of 720 triangles, within 0.6 %; its mass is exact");
-  out.contact_type = static_cast<unsigned>(context_.number(e, "contype", 1.0));
-  out.contact_affinity = static_cast<unsigned>(context_.number(e, "conaffinity", 1.0));
-  out.collides = out.contact_type != 0 || out.contact_affinity != 0 ||
-                 (!out.name.empty() && paired_geoms_.count(out.name) != 0);
+  const bool by_bits = touching_by_ != "predefined";
+  out.contact_type = by_bits ? static_cast<unsigned>(context_.number(e, "contype", 1.0)) : 0;
+  out.contact_affinity =
+      by_bits ? static_cast<unsigned>(context_.number(e, "conaffinity", 1.0)) : 0;
+  out.collides = disabled_.count("contact") == 0 &&
+                 (out.contact_type != 0 || out.contact_affinity != 0 ||
+                  (!out.name.empty() && paired_geoms_.count(out.name) != 0));
   if (!out.name.empty()) read_geoms_.insert(out.name);
   geom_appearance(source, e, out);
   if (!out.visible && !out.collides) return false;
-  out.friction = 1.0;
-  std::vector<double> friction;  // sliding, torsional, rolling
-  if (const std::string* text = e.find("friction"))
-    friction = context_.numbers(source, *text, 1, 3, "'friction'").value_or(friction);
-  if (!friction.empty()) out.friction = std::max(0.0, friction[0]);
-  const double dimensions = context_.number(e, "condim", 3.0);
-  if (dimensions >= 4.0)
-    out.spinning_friction = friction.size() > 1 ? std::max(0.0, friction[1]) : 0.005;
-  if (dimensions >= 6.0)
-    out.rolling_friction = friction.size() > 2 ? std::max(0.0, friction[2]) : 0.0001;
+  out.material = surface(source, e);
   context_.exact(source.at, what);
   return true;
 }
@@ -53,14 +47,10 @@ bool MjcfReader::geom_shape(const XmlElement& source, const XmlElement& e, const
     size = context_.numbers(source, *text, 1, 3, "'size'").value_or(std::vector<double>());
   const auto s = [&](std::size_t i) { return i < size.size() ? size[i] : 0.0; };
   double half = s(1);
-  if (const std::string* text = e.find("fromto")) {
-    const auto v = context_.numbers(source, *text, 6, 6, "'fromto'");
-    if (!v) return false;
-    const Vec3 a((*v)[0], (*v)[1], (*v)[2]), b((*v)[3], (*v)[4], (*v)[5]);
-    half = 0.5 * (b - a).norm();
-    out.X = Pose(0.5 * (a + b), Quat::Identity());
-    if (half > 1e-12) out.X.q = Quat::FromTwoVectors(Vec3::UnitZ(), a - b).normalized();
-    out.X = frame_ * out.X;
+  if (e.find("fromto") != nullptr) {
+    const auto between = from_to(source, e, half);
+    if (!between) return false;
+    out.X = *between;
   }
   Geometry& g = out.geometry;
   bool has_size = true;
@@ -139,15 +129,15 @@ const Result<MassProperties>& MjcfReader::mesh_mass(const Geometry& g, const std
   const auto known = mesh_masses_.find(key);
   if (known != mesh_masses_.end()) return known->second;
   const auto compute = [&]() -> Result<MassProperties> {
-    auto mesh = load_mesh(g.mesh, what, context_.options.limits.asset_bytes);
+    auto mesh = context_.mesh(g.mesh, what);
     if (!mesh) return tl::unexpected(mesh.error());
-    for (Vec3& v : mesh->vertices) v = v.cwiseProduct(g.scale);
+    for (Vec3& v : mesh->mesh.vertices) v = v.cwiseProduct(g.scale);
     if (g.scale.prod() < 0.0)
-      for (Eigen::Vector3i& t : mesh->triangles) std::swap(t[1], t[2]);
+      for (Eigen::Vector3i& t : mesh->mesh.triangles) std::swap(t[1], t[2]);
     Shape s;
     s.type = ShapeType::mesh;
     s.mesh = 0;
-    const std::vector<MeshPtr> meshes = {std::make_shared<const TriangleMesh>(std::move(*mesh))};
+    const std::vector<MeshPtr> meshes = {std::make_shared<const TriangleMesh>(std::move(mesh->mesh))};
     return shape_mass(s, meshes, shape_volume(s, meshes));
   };
   return mesh_masses_.emplace(key, compute()).first->second;

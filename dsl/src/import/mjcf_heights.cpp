@@ -21,24 +21,22 @@ Result<> check_size(std::int64_t columns, std::int64_t rows) {
   return {};
 }
 
-Result<HeightField> read_heights(const std::string& path, std::size_t limit) {
-  auto bytes = read_whole_file(path, limit);
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->compare(0, 4, "\x89PNG") == 0) return heights_of_picture(*bytes);
+Result<HeightField> heights_of_file(Context& context, const std::string& bytes, const Source& at) {
+  if (bytes.compare(0, 4, "\x89PNG") == 0) return heights_of_picture(context, bytes, at);
   HeightField field;
   // Two numbers of 32 bits, rows and columns, and floats, the row with the lowest y first.
   std::int32_t size[2] = {0, 0};
-  if (bytes->size() >= sizeof size) std::memcpy(size, bytes->data(), sizeof size);
+  if (bytes.size() >= sizeof size) std::memcpy(size, bytes.data(), sizeof size);
   if (auto good = check_size(size[1], size[0]); !good) return tl::unexpected(good.error());
   field.rows = size[0];
   field.columns = size[1];
   const auto columns = static_cast<std::size_t>(size[1]), rows = static_cast<std::size_t>(size[0]);
-  if (bytes->size() != sizeof size + 4 * columns * rows)
+  if (bytes.size() != sizeof size + 4 * columns * rows)
     return fail("is neither a PNG nor a file of heights in MuJoCo's format");
   field.samples.resize(columns * rows);
   for (std::size_t i = 0; i < columns * rows; ++i) {
     float value = 0.0F;
-    std::memcpy(&value, bytes->data() + sizeof size + 4 * i, sizeof value);
+    std::memcpy(&value, bytes.data() + sizeof size + 4 * i, sizeof value);
     if (!std::isfinite(value)) return fail("has heights that are not finite");
     field.samples[(rows - 1 - i / columns) * columns + i % columns] = value;
   }
@@ -54,8 +52,32 @@ void normalize(HeightField& field) {
 
 }  // namespace
 
-Result<HeightField> heights_of_picture(const std::string& bytes) {
-  if (bytes.compare(0, 4, "\x89PNG") != 0) return fail("is no PNG");
+const Result<HeightFieldPtr>& HeightFiles::read(Context& context, const std::string& path,
+                                                const Source& at, Reader reader,
+                                                void (*scale)(HeightField&)) {
+  const auto known = fields_.find(path);
+  if (known != fields_.end()) return known->second;
+  const auto load = [&]() -> Result<HeightFieldPtr> {
+    const auto bytes = read_whole_file(path, context.options.limits.asset_bytes);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto field = reader(context, *bytes, at);
+    if (!field) return tl::unexpected(field.error());
+    scale(*field);
+    return std::make_shared<const HeightField>(std::move(*field));
+  };
+  return fields_.emplace(path, load()).first->second;
+}
+
+Result<HeightField> heights_of_picture(Context& context, const std::string& bytes,
+                                       const Source& at) {
+  constexpr std::size_t kSizeAt = 16, kSizeEnd = 24;  // width and height, in the first chunk
+  if (bytes.compare(0, 4, "\x89PNG") != 0 || bytes.size() < kSizeEnd) return fail("is no PNG");
+  std::int64_t size[2] = {0, 0};
+  for (std::size_t i = kSizeAt; i < kSizeEnd; ++i)
+    size[i / 20] = size[i / 20] << 8 | static_cast<unsigned char>(bytes[i]);
+  // A picture of a single colour is a thousand times smaller than its pixels.
+  if (auto good = check_size(size[0], size[1]); !good) return tl::unexpected(good.error());
+  context.spend(16 * static_cast<std::size_t>(size[0] * size[1]), at);
   auto image = decode_image(bytes);
   if (!image) return tl::unexpected(image.error());
   if (auto good = check_size(image->width, image->height); !good)
@@ -77,27 +99,25 @@ void MjcfReader::height_field(const XmlElement& source, const XmlElement& e,
     context_.error(source.at, "CG1404", fmt::format("{} has no size", quoted_name(source)));
     return;
   }
-  auto field = heights(source, e);
-  if (!field) return;
-  normalize(*field);
+  const HeightFieldPtr field = heights(source, e);
+  if (field == nullptr) return;
   Geometry& g = height_fields_[key];
   g.type = Geometry::Type::heightmap;
   g.size = Vec3(2.0 * extents->at(0), 2.0 * extents->at(1), extents->at(2));
-  g.heights = std::make_shared<const HeightField>(std::move(*field));
+  g.heights = field;
   context_.exact(source.at, quoted_name(source), "its surface, without the base below it");
 }
 
-std::optional<HeightField> MjcfReader::heights(const XmlElement& source, const XmlElement& e) {
+HeightFieldPtr MjcfReader::heights(const XmlElement& source, const XmlElement& e) {
   const auto left_out = [&](const std::string& why) {
     context_.left_out(source.at, quoted_name(source), why);
-    return std::nullopt;
+    return nullptr;
   };
   if (const std::string* file = e.find("file")) {
     auto path = context_.locate(mesh_dir_.empty() ? *file : mesh_dir_ + "/" + *file, source.at);
     if (!path) return left_out(path.error().message);
-    auto field = read_heights(*path, context_.options.limits.asset_bytes);
-    if (!field) return left_out(field.error().message);
-    return std::move(*field);
+    const auto& field = height_files_.read(context_, *path, source.at, heights_of_file, normalize);
+    return field ? *field : left_out(field.error().message);
   }
   const double columns = context_.number(e, "ncol", 0.0), rows = context_.number(e, "nrow", 0.0);
   if (!(columns >= 0.0 && columns < 1e9 && rows >= 0.0 && rows < 1e9))
@@ -114,13 +134,14 @@ std::optional<HeightField> MjcfReader::heights(const XmlElement& source, const X
     field.samples.assign(4, 0.0);
     context_.approximate(source.at, quoted_name(source),
                          "has no heights in the file: it is flat here");
-    return field;
+    return std::make_shared<const HeightField>(std::move(field));
   }
   const auto count = static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
   auto values = context_.numbers(source, *text, count, count, "'elevation'");
-  if (!values) return std::nullopt;
+  if (!values) return nullptr;
   field.samples = std::move(*values);
-  return field;
+  normalize(field);
+  return std::make_shared<const HeightField>(std::move(field));
 }
 
 }  // namespace cogrsim::dsl::import

@@ -1,8 +1,11 @@
 // Keyframes of MJCF: states in which the robot can start.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cogrsim/core/parameter.h"
 #include "import/mjcf_reader.h"
+#include "import/robot_start.h"
 
 namespace cogrsim::dsl::import {
 
@@ -21,9 +24,10 @@ void MjcfReader::keyframes(const XmlElement& root) {
         found = true;
         start_at(*key);
       } else {
-        context_.left_out(key->at, fmt::format("key '{}'", names.back()),
-                          fmt::format("the robot starts {}; --keyframe {} starts it here",
-                                      wanted.empty() ? "at its zero" : "elsewhere", names.back()));
+        context_.left_aside(
+            key->at, fmt::format("key '{}'", names.back()),
+            fmt::format("the robot starts {}; --keyframe {} starts it here",
+                        wanted.empty() ? "at its zero" : "elsewhere", names.back()));
       }
     }
   }
@@ -61,18 +65,19 @@ void MjcfReader::start_at(const XmlElement& key) {
       } else if (c.part) {
         // Its zero may be anywhere in the plane.
         const Eigen::AngleAxisd angle(c.part->q);
-        j.X_PC = j.X_PC * Pose(*value * c.part->p,
-                               Quat(Eigen::AngleAxisd(*value * angle.angle(), angle.axis())));
+        const double travel = *value - c.ref;
+        j.X_PC = j.X_PC * Pose(travel * c.part->p,
+                               Quat(Eigen::AngleAxisd(travel * angle.angle(), angle.axis())));
       } else {
-        j.position = *value - ref(c.joint);
+        j.position = *value - c.ref;
       }
       value += c.count;
     }
   }
-  if (const auto u = values("ctrl", controls_.size()))
+  const bool driven = disabled_.count("actuation") == 0;
+  if (const auto u = driven ? values("ctrl", controls_.size()) : std::nullopt)
     for (std::size_t i = 0; i < u->size(); ++i)
-      for (const Control& c : controls_[i])
-        robot_.drives[c.drive].target = c.scale * (*u)[i] + c.offset;
+      for (const Control& c : controls_[i]) robot_.drives[c.drive].target = c.of((*u)[i]);
   std::string rest;
   for (const char* name : {"qvel", "act", "mpos", "mquat"})
     if (const std::string* text = key.find(name); text != nullptr) {
@@ -84,6 +89,61 @@ void MjcfReader::start_at(const XmlElement& key) {
     context_.exact(key.at, what, "is the start");
   else
     context_.approximate(key.at, what, "is the start, without " + rest);
+}
+
+Pose MjcfReader::start_of(int link) const {
+  for (const RobotJoint& j : robot_.joints)
+    if (j.child == link)
+      return (j.parent < 0 ? Pose() : start_of(j.parent)) * j.X_PC *
+             travel(j, std::clamp(j.position, j.lower, j.upper), j.turn);
+  return link < 0 ? Pose() : robot_.links[link].X;
+}
+
+void MjcfReader::start_at_welds() {
+  // The joint of the free body that carries a link; nullptr: none does.
+  const auto root = [&](int link) -> RobotJoint* {
+    for (bool found = true; found;) {
+      found = false;
+      for (RobotJoint& j : robot_.joints) {
+        if (j.child != link) continue;
+        if (j.type == RobotJoint::Type::free) return &j;
+        link = j.parent;
+        found = true;
+        break;
+      }
+    }
+    return nullptr;
+  };
+  std::set<const RobotJoint*> placed;
+  for (const Weld& w : welds_) {
+    RobotJoint *one = root(w.body1), *two = root(w.body2);
+    const Pose X_1 = start_of(w.body1), X_2 = start_of(w.body2), wanted = X_1 * w.X_12;
+    const double gap = (wanted.p - X_2.p).norm(), turn = wanted.q.angularDistance(X_2.q);
+    const bool second = two != nullptr && two != one && placed.count(two) == 0;
+    const bool first = one != nullptr && two != one && placed.count(one) == 0;
+    if (gap > 1e-6 || turn > 1e-6) {
+      if (!second && !first) {
+        const auto of_weld = [&](const RobotJoint& j) { return j.name == w.name; };
+        robot_.loops.erase(std::remove_if(robot_.loops.begin(), robot_.loops.end(), of_weld),
+                           robot_.loops.end());
+        context_.left_out(w.at, fmt::format("weld '{}'", w.name),
+                          fmt::format("its relpose is {:.3g} m and {:.3g} rad away from the start, "
+                                      "and neither body is free to start there",
+                                      gap, turn));
+        continue;
+      }
+      if (second)
+        two->X_PC = wanted * X_2.inverse() * two->X_PC;
+      else
+        one->X_PC = X_2 * w.X_12.inverse() * X_1.inverse() * one->X_PC;
+    }
+    context_.approximate(w.at, fmt::format("weld '{}'", w.name),
+                         gap > 1e-6 || turn > 1e-6
+                             ? "is rigid, and the bodies start where its relpose holds them, to "
+                               "which MuJoCo's pulls them softly"
+                             : "is rigid, where MuJoCo's is soft");
+    placed.insert({one, two});
+  }
 }
 
 }  // namespace cogrsim::dsl::import

@@ -101,7 +101,7 @@ std::vector<std::unique_ptr<XmlElement>> MjcfReader::copies_of(const XmlElement&
   Vec3 p = Vec3::Zero();
   for (int i = 0; i < static_cast<int>(count); ++i) {
     suffixes.push_back(fmt::format("{}{:0{}}", separator, i, digits));
-    auto frame = e.copy();
+    auto frame = context_.copy(e);
     frame->name = "frame";
     const Quat q = turn(i * euler);
     frame->attributes = {{"pos", fmt::format("{} {} {}", p[0], p[1], p[2])},
@@ -125,7 +125,7 @@ std::vector<std::unique_ptr<XmlElement>> MjcfReader::copies_of(const XmlElement&
         spend(size_of(*c));
         if (const std::string* name = c->find("name")) names.insert(*name);
         for (const std::string& suffix : suffixes) {
-          list.push_back(c->copy());
+          list.push_back(context_.copy(*c));
           add_suffix(*list.back(), suffix, &names);
         }
       }

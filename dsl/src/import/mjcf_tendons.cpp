@@ -21,8 +21,8 @@ int MjcfReader::joint_index(const std::string& name) {
   return found == joint_indices_.end() ? -1 : found->second;
 }
 
-double MjcfReader::ref(int joint) const {
-  const auto found = refs_.find(joint_at(joint).name);
+double MjcfReader::ref_of(const RobotJoint& joint) const {
+  const auto found = refs_.find(joint.name);
   return found == refs_.end() ? 0.0 : found->second;
 }
 
@@ -51,7 +51,7 @@ void MjcfReader::tendon(const XmlElement& source) {
 
 bool MjcfReader::is_limited(const XmlElement& e) const {
   const std::string* limited = e.find("limited");
-  if (e.find("range") == nullptr) return false;
+  if (e.find("range") == nullptr || disabled_.count("limit") != 0) return false;
   return limited == nullptr || *limited == "auto" ? auto_limits_ : *limited == "true";
 }
 

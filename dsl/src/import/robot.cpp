@@ -45,18 +45,6 @@ RobotInertia sum(const RobotInertia& a, const RobotInertia& b) {
 
 }  // namespace
 
-int RobotModel::link(const std::string& wanted) const {
-  for (std::size_t i = 0; i < links.size(); ++i)
-    if (links[i].name == wanted) return static_cast<int>(i);
-  return -1;
-}
-
-int RobotModel::joint(const std::string& wanted) const {
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].name == wanted) return static_cast<int>(i);
-  return -1;
-}
-
 std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double> mass,
                                          double density) {
   MassProperties out;
@@ -311,6 +299,7 @@ class Welding {
     robot_.links = std::move(links);
     robot_.joints = std::move(joints);
     robot_.loops = std::move(loops);
+    robot_.names_changed();
   }
 
  private:

@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/core/roll_pitch_yaw.h"
 #include "cogrsim/core/types.h"
 #include "cogrsim/model/mass_properties.h"
+#include "cogrsim/model/shapes.h"
 #include "import/context.h"
 
 namespace cogrsim::dsl::import {
@@ -21,6 +23,7 @@ struct HeightField {
   int columns = 0, rows = 0;
   std::vector<double> samples;
 };
+using HeightFieldPtr = std::shared_ptr<const HeightField>;
 
 struct Geometry {
   enum class Type {
@@ -41,7 +44,7 @@ struct Geometry {
   std::string mesh;          ///< canonical path
   std::vector<Vec3> points;  ///< prism: of its convex outline, z = 0 [m]
   Vec3 scale = Vec3::Ones();
-  std::shared_ptr<const HeightField> heights;
+  HeightFieldPtr heights;
 };
 
 struct RobotShape {
@@ -56,7 +59,22 @@ struct RobotShape {
   std::optional<double> friction;
   double rolling_friction = 0.0, spinning_friction = 0.0;  ///< [m]
   double restitution = 0.0;
+  CombineRule friction_combine = CombineRule::usual, restitution_combine = CombineRule::usual;
+  int material = -1;  ///< by RobotModel::materials, which then has what is above; -1: none
   Source at;
+};
+
+/// What shapes have in common that RobotContact names.
+struct RobotMaterial {
+  std::string name;
+  double friction = 0.0, rolling_friction = 0.0, spinning_friction = 0.0;
+  CombineRule friction_combine = CombineRule::usual;
+};
+
+/// What holds between two materials, by RobotModel::materials.
+struct RobotContact {
+  std::size_t a = 0, b = 0;
+  double friction = 0.0, rolling_friction = 0.0, spinning_friction = 0.0;
 };
 
 struct RobotInertia {
@@ -94,12 +112,16 @@ struct RobotLink {
   std::vector<RobotFrame> frames;
   std::vector<RobotSensor> sensors;
   bool is_static = false;
+  bool is_ground = false;   ///< the world of the source itself
+  bool is_scenery = false;  ///< stands around the robot and is no part of it
   double gravity_scale = 1.0;
   /// Links of one model, 0 or above, touch each other only where one of them does so by itself.
   int model = -1;
   bool self_collides = false;
   bool in_wind = false;
   double drag = 0.0;  ///< at its centre of mass [N s/m]
+  /// Force per speed of its origin, and torque per angular speed [N s/m, N m s/rad].
+  double free_damping = 0.0;
   std::optional<RobotFluid> fluid;
   Source at;
 };
@@ -124,7 +146,17 @@ struct AxisLaw {
 };
 
 struct RobotJoint : AxisLaw {
-  enum class Type { fixed, hinge, slider, ball, planar, free, universal, screw } type = Type::fixed;
+  enum class Type {
+    fixed,
+    hinge,
+    slider,
+    ball,
+    planar,
+    free,
+    universal,
+    screw,
+    gimbal
+  } type = Type::fixed;
   std::string name;
   int parent = -1;  ///< by RobotModel::links; -1: the world
   int child = -1;
@@ -135,7 +167,7 @@ struct RobotJoint : AxisLaw {
   AxisLaw second;                ///< of a universal joint's second axis
   double rotor_inertia = 0.0;    ///< added to the axis [kg m^2] or [kg]
   double position = 0.0;         ///< at the start
-  Quat turn = Quat::Identity();  ///< of a ball at the start
+  Quat turn = Quat::Identity();  ///< of a ball or gimbal at the start
   double pitch = 0.0;            ///< of a screw [m/turn]
   std::optional<RobotCoupling> coupling;
   Source at;
@@ -148,10 +180,13 @@ struct RobotJoint : AxisLaw {
 /// A motor or servo on a joint.
 struct RobotDrive {
   std::string name, joint;
+  int axis = 1;  ///< of a gimbal, from 1
   enum class Mode { position, velocity, torque } mode = Mode::torque;
   double kp = 0.0, ki = 0.0, kd = 0.0;  ///< of a position drive
   double max_effort = std::numeric_limits<double>::infinity();
   std::optional<double> target;
+  double min_target = -std::numeric_limits<double>::infinity();
+  double max_target = std::numeric_limits<double>::infinity();
   std::vector<std::string> followers;  ///< joints that it moves too, by their couplings
   Source at;
 };
@@ -183,6 +218,10 @@ struct RobotModel {
   std::vector<RobotDrive> drives;
   std::vector<RobotSpring> springs;
   std::vector<RobotLight> lights;
+  std::vector<RobotMaterial> materials;
+  std::vector<RobotContact> contacts;
+  /// Attributes of <mujoco> in <physics>: what one engine does, and others do not have.
+  std::vector<std::pair<std::string, std::string>> of_mujoco;
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
   /// What in the source says which shapes touch, and the bits of what is not in it.
@@ -197,10 +236,27 @@ struct RobotModel {
 
   /// The step of the file at `at`; one that no scene has is reported.
   void take_step(Context& context, double seconds, const Source& at);
-  int link(const std::string& name) const;
-  int joint(const std::string& name) const;
+  /// The index of the first of that name; -1: none. In constant time.
+  int link(const std::string& wanted) const { return link_names_.find(links, wanted); }
+  int joint(const std::string& wanted) const { return joint_names_.find(joints, wanted); }
+  /// To be called when links or joints were renamed or removed.
+  void names_changed() { link_names_ = joint_names_ = {}; }
   /// Whether a link never moves; -1: the world.
   bool stands(int link) const { return link < 0 || links[link].is_static; }
+
+ private:
+  /// Takes in what was added to a list since the last call.
+  struct NameIndex {
+    std::unordered_map<std::string, int> first;
+    std::size_t known = 0;
+    template <class List>
+    int find(const List& list, const std::string& wanted) {
+      for (; known < list.size(); ++known) first.emplace(list[known].name, static_cast<int>(known));
+      const auto found = first.find(wanted);
+      return found == first.end() ? -1 : found->second;
+    }
+  };
+  mutable NameIndex link_names_, joint_names_;
 };
 
 /// Makes every link's inertia one that a rigid body can have: principal moments that are positive
@@ -229,15 +285,35 @@ void show_unseen(Context& context, RobotModel& robot);
 /// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.
 void separate_by_bits(Context& context, RobotModel& robot);
 
+/// Marks what stands around the robot; see RobotLink::is_scenery.
+void set_scenery_apart(Context& context, RobotModel& robot);
+
 /// Names that the scene language takes, unique among bodies, joints, frames, drives and sensors;
 /// what was renamed is reported.
 void make_names(Context& context, RobotModel& robot);
+
+/// A name that a scene takes, of the robot's.
+std::string scene_name(std::string name);
 
 /// Writes the scene, and fills `context.result.files` with the meshes that belong beside it.
 void write_scene(Context& context, const RobotModel& robot);
 
 /// The brightness of a PNG's points, by its first channel. Errors: no PNG, or too many points.
-Result<HeightField> heights_of_picture(const std::string& bytes);
+Result<HeightField> heights_of_picture(Context& context, const std::string& bytes,
+                                       const Source& at);
+
+/// Height fields of files, each read once.
+class HeightFiles {
+ public:
+  using Reader = Result<HeightField> (*)(Context&, const std::string& bytes, const Source& at);
+  /// The field that `reader` makes of the file, and `scale` brings to heights from 0 to 1. Throws
+  /// Refused. Errors: those of `reader`, or the file cannot be read.
+  const Result<HeightFieldPtr>& read(Context& context, const std::string& path, const Source& at,
+                                     Reader reader, void (*scale)(HeightField&));
+
+ private:
+  std::map<std::string, Result<HeightFieldPtr>> fields_;  ///< by path
+};
 
 // ---- readers; each throws Refused, or leaves context.failed()
 

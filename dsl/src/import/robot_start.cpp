@@ -9,8 +9,6 @@
 
 namespace cogrsim::dsl::import {
 
-namespace {
-
 Pose travel(const RobotJoint& j, double q, const Quat& turn_of_ball) {
   using Type = RobotJoint::Type;
   if (j.type == Type::hinge) {
@@ -18,9 +16,12 @@ Pose travel(const RobotJoint& j, double q, const Quat& turn_of_ball) {
     return {j.anchor - turn * j.anchor, turn};
   }
   if (j.type == Type::slider) return {q * j.axis, Quat::Identity()};
-  if (j.type == Type::ball) return {j.anchor - turn_of_ball * j.anchor, turn_of_ball};
+  if (j.type == Type::ball || j.type == Type::gimbal)
+    return {j.anchor - turn_of_ball * j.anchor, turn_of_ball};
   return {};
 }
+
+namespace {
 
 /// Where it starts: its position, or the limit nearest to it.
 double start_of(const RobotJoint& j) { return std::clamp(j.position, j.lower, j.upper); }

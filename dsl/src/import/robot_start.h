@@ -11,6 +11,9 @@
 
 namespace cogrsim::dsl::import {
 
+/// Pose of the child in its own frame at zero, where the joint is at q, or a ball turned.
+Pose travel(const RobotJoint& j, double q, const Quat& turn_of_ball);
+
 /// Refers to the robot. Reports what differs from the source.
 class RobotStart {
  public:

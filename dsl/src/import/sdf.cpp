@@ -56,7 +56,7 @@ class SdfReader {
       else if (e->name == "light")
         light(*e, pose(*e), false);
       else if (e->name == "actor")
-        context_.left_out(e->at, quoted_name(*e), "concerns appearance only");
+        context_.left_aside(e->at, quoted_name(*e), "concerns appearance only");
       else
         left_out(*e);
     }
@@ -152,6 +152,8 @@ class SdfReader {
       const bool is_model = c->name == "model", is_link = c->name == "link",
                  is_joint = c->name == "joint";
       if (name.empty() || !(is_model || is_link || is_joint || c->name == "frame")) continue;
+      // A model that is placed by a frame is read twice, with all models in it.
+      context_.spend(500 + 16 * (3 * prefix.size() + name.size()), c->at);
       Named& n = out[prefix + name];
       std::string relative = relative_to(*c), follows;
       if (is_link) {
@@ -196,7 +198,7 @@ class SdfReader {
     if (it == names.end()) {
       std::vector<std::string> known;
       for (const auto& [n, p] : names) known.push_back(n);
-      const std::string near = nearest_name(name, known);
+      const std::string near = context_.near(name, known);
       context_.error(at.at, "CG1408", fmt::format("there is no frame '{}'", name),
                      near.empty() ? "" : fmt::format("did you mean '{}'?", near));
       return {};
@@ -257,7 +259,7 @@ class SdfReader {
       } else if (c->name == "scene" || c->name == "gui" || c->name == "actor" ||
                  c->name == "atmosphere" || c->name == "magnetic_field" || c->name == "audio" ||
                  c->name == "spherical_coordinates") {
-        context_.left_out(c->at, quoted_name(*c), "concerns appearance or environment");
+        context_.left_aside(c->at, quoted_name(*c), "concerns appearance or environment");
       } else if (c->name != "frame" && c->name != "gravity" && c->name != "joint" &&
                  c->name != "plugin") {
         left_out(*c);
@@ -303,6 +305,7 @@ class SdfReader {
   }
 
   void plugin(const XmlElement& e, const Names& names) {
+    context_.spend(4 * robot_.links.size(), e.at);
     const std::string system = gazebo_system(e);
     if (system == "buoyancy") return buoyancy(e, names);
     if (system == "windeffects") return wind_effects(e);
@@ -550,6 +553,10 @@ class SdfReader {
       out.color->a *= 1.0 - *t;
     }
     out.contact_type = out.contact_affinity = kAllBits;
+    // Gazebo's engines take the smaller friction of a pair, and multiply restitutions.
+    if (!visual) out.friction = 1.0;
+    out.friction_combine = CombineRule::min;
+    out.restitution_combine = CombineRule::multiply;
     if (const XmlElement* surface = e.child("surface")) {
       if (const XmlElement* of = surface->child("friction")) friction(e, *of, out);
       if (const XmlElement* of = surface->child("contact"); of != nullptr)
@@ -567,18 +574,15 @@ class SdfReader {
     if (uri.empty()) return fail("names no picture");
     auto path = context_.locate(uri, s.at);
     if (!path) return tl::unexpected(path.error());
-    auto& heights = heights_[*path];
-    if (heights == nullptr) {
-      auto bytes = read_whole_file(*path, context_.options.limits.asset_bytes);
-      if (!bytes) return tl::unexpected(bytes.error());
-      auto field = heights_of_picture(*bytes);
-      if (!field) return tl::unexpected(field.error());
-      const double most = *std::max_element(field->samples.begin(), field->samples.end());
-      for (double& h : field->samples) h = most > 0.0 ? h / most : 0.0;
-      heights = std::make_shared<const HeightField>(std::move(*field));
-    }
+    const auto brightest_is_one = [](HeightField& field) {
+      const double most = *std::max_element(field.samples.begin(), field.samples.end());
+      for (double& h : field.samples) h = most > 0.0 ? h / most : 0.0;
+    };
+    const auto& heights =
+        height_files_.read(context_, *path, s.at, heights_of_picture, brightest_is_one);
+    if (!heights) return tl::unexpected(heights.error());
     out.geometry.type = Geometry::Type::heightmap;
-    out.geometry.heights = heights;
+    out.geometry.heights = *heights;
     out.geometry.size = vector(&s, "size").value_or(Vec3::Ones());
     out.X = out.X * Pose(vector(&s, "pos").value_or(Vec3::Zero()), Quat::Identity());
     return {};
@@ -781,7 +785,7 @@ class SdfReader {
   RobotModel robot_;
   std::map<const XmlElement*, Pose> poses_;
   std::map<const XmlElement*, std::string> scopes_;
-  std::map<std::string, std::shared_ptr<const HeightField>> heights_;  ///< by path
+  HeightFiles height_files_;
   static constexpr int kNoLink = -2;
   std::vector<int> parent_;  ///< of each link: the parent link of its joint, or the world (-1)
   int models_ = 0, model_indices_ = 0;

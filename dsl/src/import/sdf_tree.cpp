@@ -103,7 +103,7 @@ class Includes {
           m->children.erase(std::remove_if(m->children.begin(), m->children.end(),
                                            [&](const auto& o) { return o->name == c->name; }),
                             m->children.end());
-        if (c->name != "uri") m->children.push_back(c->copy());
+        if (c->name != "uri") m->children.push_back(context_.copy(*c));
       }
       return std::move(m);
     }

@@ -34,7 +34,7 @@ class UrdfReader {
  private:
   // An element that this reader does not know is never passed over in silence.
   void unknown(const XmlElement& e, const XmlElement& in, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(e.name, known);
+    const std::string near = context_.near(e.name, known);
     context_.left_out(e.at, fmt::format("<{}> of {}", e.name, quoted_name(in)),
                       near.empty()
                           ? "is not an element of URDF"
@@ -75,7 +75,7 @@ class UrdfReader {
         if (found)
           out.texture = *found;
         else
-          context_.left_out(t->at, "texture of " + quoted_name(e), found.error().message);
+          context_.left_aside(t->at, "texture of " + quoted_name(e), found.error().message);
       }
     if (name != nullptr && !name->empty()) {
       if (out.color || !out.texture.empty())
@@ -83,7 +83,7 @@ class UrdfReader {
       else if (const auto known = materials_.find(*name); known != materials_.end())
         return known->second;
       else if (!global)
-        context_.left_out(e.at, quoted_name(e), "nothing defines this material");
+        context_.left_aside(e.at, quoted_name(e), "nothing defines this material");
     }
     return out;
   }
@@ -210,10 +210,12 @@ class UrdfReader {
         continue;
       }
       for (RobotShape& s : link.shapes) {
-        if (lateral)
+        if (lateral) {
           s.friction = value;
-        else
+          s.friction_combine = CombineRule::multiply;
+        } else {
           (rolling ? s.rolling_friction : s.spinning_friction) = value;
+        }
       }
       context_.exact(c->at, what);
     }
@@ -285,8 +287,8 @@ class UrdfReader {
                                                       "axis",   "limit",       "dynamics",
                                                       "mimic",  "calibration", "safety_controller"};
       if (c->name == "calibration" || c->name == "safety_controller")
-        context_.left_out(c->at, fmt::format("<{}> of joint '{}'", c->name, *name),
-                          "concerns the robot's driver, not its mechanics");
+        context_.left_aside(c->at, fmt::format("<{}> of joint '{}'", c->name, *name),
+                            "concerns the robot's driver, not its mechanics");
       else if (std::find(kKnown.begin(), kKnown.end(), c->name) == kKnown.end())
         unknown(*c, e, kKnown);
     }
@@ -295,8 +297,8 @@ class UrdfReader {
   }
 
   /// The help of an error: "did you mean 'base'?"; empty: no name is near.
-  static std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(wanted, known);
+  std::string suggestion(const std::string& wanted, const std::vector<std::string>& known) {
+    const std::string near = context_.near(wanted, known);
     return near.empty() ? "" : fmt::format("did you mean '{}'?", near);
   }
 
@@ -409,12 +411,12 @@ class UrdfReader {
     if (e.name == "transmission") return transmission(e);
     if (e.name == "gazebo") return gazebo(e);
     if (e.name == "ros2_control" || e.name == "sensor" || e.name == "group_state") {
-      context_.left_out(e.at, fmt::format("<{}>", e.name), "concerns the robot's driver");
+      context_.left_aside(e.at, fmt::format("<{}>", e.name), "concerns the robot's driver");
       return;
     }
     std::string message = "is not an element of URDF";
     const std::string near =
-        nearest_name(e.name, {"link", "joint", "material", "transmission", "gazebo"});
+        context_.near(e.name, {"link", "joint", "material", "transmission", "gazebo"});
     if (!near.empty()) message += fmt::format("; did you mean <{}>?", near);
     context_.left_out(e.at, quoted_name(e), message);
   }
@@ -465,7 +467,11 @@ class UrdfReader {
       if (c->name == "mu1" && link >= 0) {
         const auto mu = context_.numbers(*c, text, 1, 1, "the friction");
         if (!mu || (*mu)[0] < 0.0) continue;
-        for (RobotShape& s : robot_.links[link].shapes) s.friction = (*mu)[0];
+        context_.spend(robot_.links[link].shapes.size(), c->at);
+        for (RobotShape& s : robot_.links[link].shapes) {
+          s.friction = (*mu)[0];
+          s.friction_combine = CombineRule::min;  // as Gazebo's engines do
+        }
         context_.exact(c->at, what);
       } else if (c->name == "mu2" && link >= 0) {
         const XmlElement* one = e.child("mu1");
@@ -478,7 +484,10 @@ class UrdfReader {
           return robot_.joint(joint) < 0 ? "" : joint;
         });
       } else {
-        context_.left_out(c->at, what, "concerns Gazebo");
+        if (c->name == "material")
+          context_.left_aside(c->at, what, "concerns Gazebo");
+        else
+          context_.left_out(c->at, what, "concerns Gazebo");
       }
     }
   }

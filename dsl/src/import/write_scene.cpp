@@ -12,6 +12,7 @@
 #include "assets/mesh_file.h"
 #include "cogrsim/geometry/convex_parts.h"
 #include "import/robot_start.h"
+#include "import/scene_parts.h"
 #include "import/scene_text.h"
 #include "syntax/text.h"
 
@@ -21,15 +22,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Steps of finding convex parts: a second for a model, and ten for each MB of its meshes.
+constexpr std::size_t kStepsOfModel = 1'000'000'000, kStepsOfByte = 10'000;
+
 class SceneWriter {
  public:
   SceneWriter(Context& context, const RobotModel& robot)
       : context_(context), robot_(robot), start_(context, robot) {}
 
   void write() {
-    std::string body;
+    std::string body, scenery;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      body_ = robot_.links[i].is_scenery ? &scenery : &body;
+      link(i);
+    }
     body_ = &body;
-    for (std::size_t i = 0; i < robot_.links.size(); ++i) link(i);
     if (context_.options.floor && !context_.options.prototype_only && !robot_.has_ground &&
         !extent_.empty() && std::isfinite(extent_.low[2]))
       lift_ = std::ceil(-extent_.low[2] * 1e4) / 1e4;
@@ -40,18 +47,20 @@ class SceneWriter {
     drives();
     springs();
     forces();
-    for (const RobotLight& l : robot_.lights) light(l);
+    for (const RobotLight& l : robot_.lights) body += light_text(l);
     for (const RobotLink& l : robot_.links)
       for (const RobotSensor& s : l.sensors) sensor(l, s);
-    for (const auto& [a, b] : robot_.no_contact)
-      body += fmt::format("    <collide between=\"{} {}\" with=\"false\"/>\n", a, b);
+    std::string apart;  // pairs of the robot and what stands around it
+    for (const auto& [a, b] : robot_.no_contact) {
+      if (is_scenery(a) == is_scenery(b))
+        (is_scenery(a) ? scenery : body) +=
+            fmt::format("    <collide between=\"{} {}\" with=\"false\"/>\n", a, b);
+      else
+        apart += fmt::format("  <collide between=\"{} {}\" with=\"false\"/>\n", in_scene(a),
+                             in_scene(b));
+    }
 
-    std::string name = robot_.name.empty() ? "robot" : robot_.name;
-    for (char& c : name)
-      if (!is_letter(c) && !is_digit(c) && c != '-') c = '_';
-    if (!is_letter(name.front())) name.insert(0, "_");
-    name.resize(std::min<std::size_t>(name.size(), 60));
-    if (name == "world" || name == "floor") name += "_model";  // names that the scene has
+    const std::string name = scene_name(robot_.name);
     std::string type = name;
     if (type.front() >= 'a' && type.front() <= 'z')
       type.front() = static_cast<char>(type.front() - 'a' + 'A');
@@ -61,34 +70,55 @@ class SceneWriter {
     out += fmt::format("  <!-- Written by cogrsim import from {}, {}. -->\n",
                        context_.result.format, comment(context_.shown(context_.path_of(0))));
     if (context_.options.prototype_only) {
+      if (!apart.empty())
+        context_.left_out({}, robot_.contact_rule,
+                          "pairs of the robot and what stands around it belong into the scene that "
+                          "has both:" +
+                              apart);
+      out += materials_text(robot_);
+      if (!scenery.empty())
+        out += fmt::format("  <prototype name=\"{}_scenery\">\n{}  </prototype>\n", type, scenery);
       out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n</scene>\n", type, body);
       context_.result.scene = std::move(out);
       return;
     }
-    if (robot_.step || robot_.gravity) {
-      out += "  <physics";
-      if (robot_.step) out += fmt::format(" step=\"{} s\"", *robot_.step);
-      if (robot_.gravity) out += fmt::format(" gravity=\"{}\"", list(*robot_.gravity));
-      out += "/>\n";
-    }
+    out += physics_text(robot_) + materials_text(robot_);
     if (robot_.wind && *robot_.wind != Vec3::Zero())
       out += fmt::format("  <wind velocity=\"{}\"/>\n", list(*robot_.wind));
+    if (!scenery.empty())
+      out += fmt::format("  <prototype name=\"{}_scenery\">\n{}  </prototype>\n", type, scenery);
     out += fmt::format("  <prototype name=\"{}\">\n{}  </prototype>\n", type, body);
     if (context_.options.floor && !robot_.has_ground)
       out += "  <plane name=\"floor\" color=\"#d8d8d8\"/>\n";
-    out += fmt::format("  <instance of=\"{}\" name=\"{}\"", type, name);
-    if (lift_ != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift_);
-    out += "/>\n";
+    for (const char* part : {"_scenery", ""}) {
+      if (*part != '\0' && scenery.empty()) continue;
+      out += fmt::format("  <instance of=\"{}{}\" name=\"{}{}\"", type, part, name, part);
+      if (lift_ != 0.0) out += fmt::format(" xyz=\"0 0 {}\"", lift_);
+      out += "/>\n";
+    }
+    out += apart;
     if (robot_.only_contact) {
       out += fmt::format("  <collide between=\"{0} {0}\" with=\"false\"/>\n", name);
+      if (!scenery.empty())
+        out += fmt::format("  <collide between=\"{0} {0}_scenery\" with=\"false\"/>\n", name);
       for (const auto& [a, b] : *robot_.only_contact)
-        out += fmt::format("  <collide between=\"{0}.{1} {0}.{2}\"/>\n", name, a, b);
+        out += fmt::format("  <collide between=\"{} {}\"/>\n", in_scene(a), in_scene(b));
     }
     out += "</scene>\n";
     context_.result.scene = std::move(out);
   }
 
  private:
+  bool is_scenery(const std::string& link) const {
+    const int found = robot_.link(link);
+    return found >= 0 && robot_.links[static_cast<std::size_t>(found)].is_scenery;
+  }
+  /// The name of a body outside of the prototypes.
+  std::string in_scene(const std::string& link) const {
+    return fmt::format("{}{}.{}", scene_name(robot_.name), is_scenery(link) ? "_scenery" : "",
+                       link);
+  }
+
   void link(std::size_t index) {
     const RobotLink& l = robot_.links[index];
     std::string& out = *body_;
@@ -121,13 +151,12 @@ class SceneWriter {
         const RobotShape& o = l.shapes[k];
         if (drawn[k] || o.visible == s.visible || !same(s, o)) continue;
         drawn[k] = true;
+        const RobotShape& seen = s.visible ? l.shapes[i] : o;
+        if (!s.collides) s = o;  // whose surface it has
+        if (!l.shapes[i].name.empty()) s.name = l.shapes[i].name;
         s.visible = s.collides = true;
-        if (!s.color) s.color = o.color;
-        if (s.texture.empty()) s.texture = o.texture;
-        if (!s.friction) s.friction = o.friction;
-        s.restitution = std::max(s.restitution, o.restitution);
-        s.rolling_friction = std::max(s.rolling_friction, o.rolling_friction);
-        s.spinning_friction = std::max(s.spinning_friction, o.spinning_friction);
+        if (seen.color) s.color = seen.color;
+        if (!seen.texture.empty()) s.texture = seen.texture;
         break;
       }
       if (s.geometry.type == Geometry::Type::mesh) look(l, s);
@@ -176,16 +205,8 @@ class SceneWriter {
   std::string element(const RobotLink& l, const RobotShape& s, const ShapeText& text) {
     if (text.tag.empty()) return "";
     std::string out = "      <" + text.tag + shape_name(l, s) + text.attributes + pose_text(s.X);
-    if (s.color)
-      out += fmt::format(" color=\"#{:02x}{:02x}{:02x}{}\"", byte(s.color->r), byte(s.color->g),
-                         byte(s.color->b),
-                         s.color->a < 1.0 ? fmt::format("{:02x}", byte(s.color->a)) : "");
-    if (s.friction && s.collides) out += fmt::format(" friction=\"{}\"", *s.friction);
-    if (s.restitution > 0.0 && s.collides) out += fmt::format(" restitution=\"{}\"", s.restitution);
-    if (s.rolling_friction > 0.0 && s.collides)
-      out += fmt::format(" rolling-friction=\"{}\"", s.rolling_friction);
-    if (s.spinning_friction > 0.0 && s.collides)
-      out += fmt::format(" spinning-friction=\"{}\"", s.spinning_friction);
+    if (s.color) out += color_text(*s.color);
+    if (s.collides) out += surface_text(robot_, s);
     if (!s.collides) out += " collide=\"false\"";
     if (!s.visible) out += " visible=\"false\"";
     return out + "/>\n";
@@ -256,16 +277,6 @@ class SceneWriter {
     return {"prism", fmt::format(" outline=\"{}\" length=\"{}\"", text, s.geometry.length)};
   }
 
-  static std::string mesh_attributes(const RobotShape& s, const std::string& file) {
-    const Vec3& scale = s.geometry.scale;
-    std::string out = fmt::format(" file=\"{}\"", escaped(file));
-    if (scale != Vec3::Ones())
-      out += scale[0] == scale[1] && scale[1] == scale[2]
-                 ? fmt::format(" scale=\"{}\"", scale[0])
-                 : fmt::format(" scale=\"{}\"", list(scale));
-    return out;
-  }
-
   /// The files of a mesh's convex parts. None: it is to be one mesh, or is one hull in any case.
   std::vector<std::string> parts(const RobotLink& l, const RobotShape& s, const Pose& X) {
     const ImportOptions& options = context_.options;
@@ -278,14 +289,21 @@ class SceneWriter {
     Parts& parts = known->second;
     if (is_new) {
       const fs::path path = s.geometry.mesh;
-      const auto mesh = load_mesh(path, path.filename().string(), options.limits.asset_bytes);
+      const auto mesh = context_.mesh(path, path.filename().string());
       if (!mesh) return {};
       if (options.decomposing) options.decomposing(path.filename().string());
       geometry::ConvexPartsOptions how;
       how.most = options.convex_parts;
-      geometry::ConvexParts found = geometry::convex_parts(*mesh, how);
+      // A small file does not keep a machine busy; a large one may take longer.
+      std::error_code fault;
+      const std::uintmax_t bytes = fs::file_size(path, fault);
+      steps_left_ += fault ? 0 : kStepsOfByte * static_cast<std::size_t>(bytes);
+      how.steps = steps_left_;
+      geometry::ConvexParts found = geometry::convex_parts(mesh->mesh, how);
       parts.excess = found.excess;
       parts.excess_of_hull = found.excess_of_hull;
+      parts.cut_short = found.cut_short;
+      steps_left_ -= std::min(steps_left_, found.steps);
       if (found.hulls.size() > 1)
         for (std::size_t i = 0; i < found.hulls.size(); ++i)
           parts.files.push_back(add_file(fmt::format("{}_part{}.obj", path.stem().string(), i + 1),
@@ -296,8 +314,9 @@ class SceneWriter {
     context_.approximate(
         s.at, fmt::format("collision mesh of '{}'", l.name),
         fmt::format("collides as {} convex parts, which cover {:.2g} % too much; its hull would "
-                    "cover {:.2g} %",
-                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull));
+                    "cover {:.2g} %{}",
+                    parts.files.size(), 100.0 * parts.excess, 100.0 * parts.excess_of_hull,
+                    parts.cut_short ? "; better ones take too long to find" : ""));
     return parts.files;
   }
 
@@ -327,10 +346,14 @@ class SceneWriter {
     const Geometry& g = s.geometry;
     const HeightField& field = *g.heights;
     std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
+    auto pay = [&, paid = std::size_t{0}]() mutable {
+      context_.spend(20 + 4 * (text.size() - paid), s.at);
+      paid = text.size();
+    };
     // Rows of a scene begin at the lowest y, those of a file at the highest.
     if (field.samples.size() <= kMostInScene || context_.options.prototype_only) {
       for (int r = field.rows - 1; r >= 0; --r)
-        for (int c = 0; c < field.columns; ++c)
+        for (int c = 0; c < field.columns; ++c, pay())
           text += fmt::format("{}{}", text.empty() ? "" : " ",
                               g.size[2] * field.samples[r * field.columns + c]);
       return {"heightmap",
@@ -338,7 +361,7 @@ class SceneWriter {
     }
     auto& file = hills_[g.heights.get()];
     if (file.empty()) {
-      for (std::size_t i = 0; i < field.samples.size(); ++i)
+      for (std::size_t i = 0; i < field.samples.size(); ++i, pay())
         text += fmt::format("{}{}", field.samples[i],
                             (i + 1) % static_cast<std::size_t>(field.columns) == 0 ? "\n" : " ");
       file = add_file("heights.txt", std::move(text));
@@ -372,10 +395,6 @@ class SceneWriter {
     if (!s.collides) return;
     extent_.add(centre + half);
     extent_.add(centre - half);
-  }
-
-  static int byte(double x) {
-    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
   }
 
   std::string add_file(const std::string& wanted, std::string bytes) {
@@ -445,19 +464,8 @@ class SceneWriter {
     if (!context_.mesh_look(path).is_of_several)
       return add_file(name.string(),
                       read_whole_file(path, options.limits.asset_bytes).value_or(""));
-    const auto whole = load_mesh(path, name.string(), options.limits.asset_bytes);
-    return whole ? add_file(name.stem().string() + ".obj", obj_text(*whole)) : "";
-  }
-
-  static void passive(const RobotJoint& j, bool slides, std::string& out) {
-    const char* effort = slides ? "N" : "N*m";
-    if (j.damping > 0.0)
-      out += fmt::format(" damping=\"{} {}\"", j.damping, slides ? "N*s/m" : "N*m*s/rad");
-    if (j.friction > 0.0) out += fmt::format(" friction=\"{} {}\"", j.friction, effort);
-    if (j.stiffness <= 0.0) return;
-    out += fmt::format(" stiffness=\"{} {}\"", j.stiffness, slides ? "N/m" : "N*m/rad");
-    if (j.rest != 0.0 && j.type != RobotJoint::Type::ball)
-      out += fmt::format(" rest=\"{} {}\"", j.rest, slides ? "m" : "rad");
+    const auto whole = context_.mesh(path, name.string());
+    return whole ? add_file(name.stem().string() + ".obj", obj_text(whole->mesh)) : "";
   }
 
   /// The two numbers of each law of a universal joint, where one of them says something.
@@ -516,6 +524,9 @@ class SceneWriter {
       case Type::screw:
         tag = "screw";
         break;
+      case Type::gimbal:
+        tag = "gimbal";
+        break;
     }
     out += fmt::format("    <{} name=\"{}\"", tag, j.name);
     if (j.parent >= 0) out += fmt::format(" parent=\"{}\"", robot_.links[j.parent].name);
@@ -528,14 +539,16 @@ class SceneWriter {
     if ((turns || slides || j.type == Type::planar || j.type == Type::universal) &&
         tidy(j.axis) != Vec3::UnitZ())
       out += fmt::format(" axis=\"{}\"", list(tidy(j.axis)));
-    if (j.type == Type::universal) out += fmt::format(" axis2=\"{}\"", list(tidy(j.axis2)));
+    if (j.type == Type::gimbal) out += fmt::format(" axis=\"{}\"", list(tidy(j.axis)));
+    if (j.type == Type::universal || j.type == Type::gimbal)
+      out += fmt::format(" axis2=\"{}\"", list(tidy(j.axis2)));
     if (j.type == Type::screw) out += fmt::format(" pitch=\"{} m\"", j.pitch);
     if (turns || slides) {
       const char* unit = turns ? "rad" : "m";
       const char* effort = turns ? "N*m" : "N";
       if (std::isfinite(j.lower)) out += fmt::format(" lower=\"{} {}\"", j.lower, unit);
       if (std::isfinite(j.upper)) out += fmt::format(" upper=\"{} {}\"", j.upper, unit);
-      passive(j, slides, out);
+      out += passive_text(j);
       if (std::isfinite(j.max_effort))
         out += fmt::format(" max-effort=\"{} {}\"", j.max_effort, effort);
       if (std::isfinite(j.max_speed))
@@ -553,8 +566,11 @@ class SceneWriter {
                         start));
     } else if (j.type == Type::universal) {
       two_axes(j, out);
+    } else if (j.type == Type::gimbal) {
+      out += gimbal_text(j);
     } else if (j.type == Type::ball) {
-      passive(j, false, out);
+      if (std::isfinite(j.upper)) out += fmt::format(" upper=\"{} rad\"", j.upper);
+      out += passive_text(j);
       if (j.turn.vec().norm() > 0.0)
         out += fmt::format(" position=\"{} {} {} {}\"", j.turn.w(), j.turn.x(), j.turn.y(),
                            j.turn.z());
@@ -562,7 +578,8 @@ class SceneWriter {
     if (j.rotor_inertia > 0.0 && (turns || slides || j.type == Type::ball))
       out += fmt::format(" rotor-inertia=\"{} {}\"", j.rotor_inertia, slides ? "kg" : "kg*m^2");
     out += "/>\n";
-    if (j.rotor_inertia > 0.0 && !turns && !slides && j.type != Type::ball)
+    if (j.rotor_inertia > 0.0 && !turns && !slides && j.type != Type::ball &&
+        j.type != Type::gimbal)
       context_.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
                         fmt::format("a {} joint has none here", tag));
   }
@@ -607,6 +624,19 @@ class SceneWriter {
               ? fmt::format(" {}=\"{} {}\"", turns ? "max-torque" : "max-force", d.max_effort,
                             turns ? "N*m" : "N")
               : std::string();
+      const char* unit = d.mode == RobotDrive::Mode::position   ? (turns ? "rad" : "m")
+                         : d.mode == RobotDrive::Mode::velocity ? (turns ? "rad/s" : "m/s")
+                         : turns                                ? "N*m"
+                                                                : "N";
+      std::string target;
+      if (std::isfinite(d.min_target))
+        target += fmt::format(" min-target=\"{} {}\"", d.min_target, unit);
+      if (std::isfinite(d.max_target))
+        target += fmt::format(" max-target=\"{} {}\"", d.max_target, unit);
+      // A servo holds its joint where it starts.
+      const double start = std::clamp(start_.position(j), j.lower, j.upper);
+      if (d.target && (d.mode != RobotDrive::Mode::position || *d.target != start))
+        target += fmt::format(" target=\"{} {}\"", *d.target, unit);
       if (d.mode == RobotDrive::Mode::position && d.kp > 0.0) {
         out += fmt::format("    <servo name=\"{}\" joint=\"{}\" kp=\"{} {}\"", d.name, d.joint,
                            d.kp, turns ? "N*m/rad" : "N/m");
@@ -614,22 +644,15 @@ class SceneWriter {
           out += fmt::format(" ki=\"{} {}\"", d.ki, turns ? "N*m/(rad*s)" : "N/(m*s)");
         if (d.kd > 0.0) out += fmt::format(" kd=\"{} {}\"", d.kd, turns ? "N*m*s/rad" : "N*s/m");
         out += bound;
-        if (d.target) out += fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m");
-        out += "/>\n";
+        out += target + "/>\n";
         return;
       }
-      const std::string target =
-          !d.target ? ""
-          : d.mode == RobotDrive::Mode::position
-              ? fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad" : "m")
-          : d.mode == RobotDrive::Mode::velocity
-              ? fmt::format(" target=\"{} {}\"", *d.target, turns ? "rad/s" : "m/s")
-              : fmt::format(" target=\"{} {}\"", *d.target, turns ? "N*m" : "N");
       const char* mode = d.mode == RobotDrive::Mode::position   ? "position"
                          : d.mode == RobotDrive::Mode::velocity ? "velocity"
                                                                 : "torque";
-      out += fmt::format("    <motor name=\"{}\" joint=\"{}\" mode=\"{}\"{}{}/>\n", d.name, d.joint,
-                         mode, bound, target);
+      out +=
+          fmt::format("    <motor name=\"{}\" joint=\"{}\"{} mode=\"{}\"{}{}/>\n", d.name, d.joint,
+                      d.axis > 1 ? fmt::format(" axis=\"{}\"", d.axis) : "", mode, bound, target);
     };
     std::set<std::string> moved;
     for (const RobotJoint* j : start_.coupled()) moved.insert(j->name);
@@ -642,7 +665,8 @@ class SceneWriter {
           context_.approximate(
               d.at, fmt::format("drive '{}'", d.name),
               fmt::format("does not move joint '{}', whose coupling is left out", follower));
-      if (joint.type == RobotJoint::Type::hinge || joint.type == RobotJoint::Type::slider)
+      if (joint.type == RobotJoint::Type::hinge || joint.type == RobotJoint::Type::slider ||
+          joint.type == RobotJoint::Type::gimbal)
         one(d, joint);
       else
         context_.left_out(d.at, fmt::format("drive '{}'", d.name),
@@ -694,23 +718,15 @@ class SceneWriter {
       if (l.drag > 0.0 && l.inertia)
         *body_ += fmt::format("    <drag on=\"{}\" xyz=\"{}\" linear=\"{} N*s/m\"/>\n", l.name,
                               list(tidy(l.inertia->com)), l.drag);
+      if (l.free_damping > 0.0)
+        *body_ +=
+            fmt::format("    <drag on=\"{}\" linear=\"{} N*s/m\" angular=\"{} N*m*s/rad\"/>\n",
+                        l.name, l.free_damping, l.free_damping);
       if (l.fluid && std::any_of(l.shapes.begin(), l.shapes.end(),
                                  [](const RobotShape& s) { return s.collides; }))
         *body_ += fmt::format("    <buoyancy on=\"{}\" level=\"{} m\" density=\"{} kg/m^3\"/>\n",
                               l.name, l.fluid->level + lift_, l.fluid->density);
     }
-  }
-
-  void light(const RobotLight& l) {
-    std::string& out = *body_;
-    out += fmt::format("    <light name=\"{}\" type=\"{}\"", l.name, l.type);
-    if (l.type != "directional") out += fmt::format(" xyz=\"{}\"", list(tidy(l.position)));
-    if (l.type != "point") out += fmt::format(" direction=\"{}\"", list(tidy(l.direction)));
-    out += fmt::format(" color=\"#{:02x}{:02x}{:02x}\"", byte(l.color.r), byte(l.color.g),
-                       byte(l.color.b));
-    if (l.intensity != 1.0) out += fmt::format(" intensity=\"{}\"", l.intensity);
-    if (l.type == "spot" && l.cone) out += fmt::format(" cone=\"{} rad\"", *l.cone);
-    out += l.shadows ? "/>\n" : " shadows=\"false\"/>\n";
   }
 
   /// Whether a point lies in a visible shape at the start, but for those of one link; of meshes it is
@@ -734,6 +750,7 @@ class SceneWriter {
   }
 
   void sensor(const RobotLink& l, const RobotSensor& s) {
+    const Context::Aside reads(context_);
     std::string& out = *body_;
     const auto own = static_cast<std::size_t>(&l - robot_.links.data());
     const Vec3 p = start_.poses()[own] * s.X.p;
@@ -764,8 +781,10 @@ class SceneWriter {
   struct Parts {
     std::vector<std::string> files;
     double excess = 0.0, excess_of_hull = 0.0;
+    bool cut_short = false;
   };
   std::map<std::string, Parts> parts_;         // path → its convex parts
+  std::size_t steps_left_ = kStepsOfModel;     // of finding them
   std::map<std::string, std::string> meshes_;  // path → the scene's name for it; empty: left out
   std::map<const HeightField*, std::string> hills_;  // file of each
   std::map<std::string, std::size_t> written_;       // file of the result by its name

@@ -4,12 +4,11 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
 
-#include "cogrsim/core/parameter.h"
+#include "assets/mesh_file.h"
 #include "import/expression.h"
 #include "import/robot.h"
 #include "syntax/text.h"
@@ -20,9 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostElements = 250000;
-constexpr int kMostDepth = 120;              // calls inside calls
-constexpr std::size_t kMostCalls = 1000000;  // also of macros that make nothing
+constexpr int kMostDepth = 120;  // calls inside calls
 constexpr int kMostLevels =
     1500;  // elements, blocks and calls inside each other: a matter of the stack
 constexpr std::size_t kMostText = 1u << 20;
@@ -91,10 +88,18 @@ class Xacro {
 
   // ---- values
 
-  PyScope scope(const FramePtr& frame, const XmlElement& at, const std::string& prefix) {
+  /// Without names and files.
+  PyScope plain_scope(const XmlElement& at) {
     PyScope out;
-    out.budget = &budget_;
+    out.spend = [this, &at](std::size_t work) { context_.spend(work, at.at); };
+    return out;
+  }
+
+  PyScope scope(const FramePtr& frame, const XmlElement& at, const std::string& prefix) {
+    context_.spend(200 + 4 * prefix.size(), at.at);
+    PyScope out = plain_scope(at);
     out.look_up = [this, frame, &at, prefix](const std::string& name, PyValue& value) {
+      context_.spend(20 * static_cast<std::size_t>(depth_) + name.size() + prefix.size(), at.at);
       Property* p = prefix.empty() ? nullptr : find(frame, prefix + name);
       if (p == nullptr) p = find(frame, name);
       if (p == nullptr || p->block != nullptr) return false;
@@ -104,13 +109,11 @@ class Xacro {
     out.load_yaml = [this, frame, &at](const std::string& path) {
       auto found = context_.locate(path, at.at);
       if (!found) throw PyError{found.error().message};
-      std::ifstream in(*found, std::ios::binary);
-      std::string bytes((1u << 20) + 1, '\0');
-      in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-      bytes.resize(in.gcount());
-      PyScope plain;
-      plain.budget = &budget_;
-      return parse_yaml(bytes, plain);
+      const auto known = yaml_.find(*found);
+      if (known != yaml_.end()) return known->second;
+      const auto bytes = read_whole_file(*found, 1u << 20);
+      if (!bytes) throw PyError{bytes.error().message};
+      return yaml_.emplace(*found, parse_yaml(*bytes, plain_scope(at))).first->second;
     };
     out.argument = [this, &at](const std::string& name) { return PyValue{argument(name, at)}; };
     return out;
@@ -147,6 +150,7 @@ class Xacro {
                 const std::string& prefix) {
     const Deeper deeper(text_level_);
     if (text_level_ > 200) throw PyError{"substitutions are nested too deep"};
+    context_.spend(100 + 2 * raw.size(), at.at);
     std::string out;
     std::optional<PyValue> alone;
     std::size_t pieces = 0;
@@ -180,10 +184,12 @@ class Xacro {
       // What stands inside is replaced first, also within the quotes of an expression.
       if (open == '{' &&
           (inner.find("$(") != std::string::npos || inner.find("${") != std::string::npos))
-        inner = value(inner, at, frame, prefix).text();
+        inner = value(inner, at, frame, prefix).text(plain_scope(at));
       PyValue v = open == '{' ? evaluate(inner, scope(frame, at, prefix))
                               : substitution(inner, at, frame, prefix);
-      out += v.text();
+      const std::string piece = v.text(plain_scope(at));
+      context_.spend(16 * piece.size(), at.at);
+      out += piece;
       if (out.size() > kMostText) throw PyError{"a text grows beyond 1 MB"};
       alone = std::move(v);
       ++pieces;
@@ -197,7 +203,7 @@ class Xacro {
                    const std::string& prefix = {}) {
     if (raw.find('$') == std::string::npos) return raw;
     try {
-      return value(raw, at, frame, prefix).text();
+      return value(raw, at, frame, prefix).text(plain_scope(at));
     } catch (const PyError& error) {
       refuse(at, fmt::format("'{}': {}", raw.substr(0, 80), error.message));
     }
@@ -223,7 +229,7 @@ class Xacro {
     while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
     std::string rest_text(rest);
     if (rest_text.find("$(") != std::string::npos || rest_text.find("${") != std::string::npos)
-      rest_text = value(rest_text, at, frame, prefix).text();
+      rest_text = value(rest_text, at, frame, prefix).text(plain_scope(at));
     if (command == "find") {
       auto folder = context_.package(rest_text);
       if (!folder)
@@ -272,11 +278,9 @@ class Xacro {
     const Deeper deeper(level_);
     if (level_ > kMostLevels)
       context_.refuse(e.at, "CG1402", "elements and macros are nested too deep");
+    context_.spend(work_of(e), e.at);
     if (e.name.compare(0, 6, "xacro:") == 0)
       return directive(e, e.name.substr(6), to, frame, prefix);
-    if (++elements_ > kMostElements)
-      context_.refuse(e.at, "CG1402",
-                      fmt::format("xacro makes more than {} elements", kMostElements));
     auto out = std::make_unique<XmlElement>();
     out->name = e.name;
     out->at = e.at;
@@ -303,7 +307,7 @@ class Xacro {
     if (word == "element") {
       const std::string* name = e.find("xacro:name");
       if (name == nullptr) refuse(e, "<xacro:element> has no xacro:name");
-      auto copy = e.copy();
+      auto copy = context_.copy(e);
       copy->name = text(*name, e, frame, prefix);
       auto& list = copy->attributes;
       for (auto it = list.begin(); it != list.end();)
@@ -391,7 +395,7 @@ class Xacro {
     if (const std::string* list = e.find("params")) parameters(e, *list, out);
     std::string plain = *name;
     if (plain.compare(0, 6, "xacro:") == 0) plain.erase(0, 6);
-    macros_[prefix + plain] = std::move(out);
+    macros_[prefix + plain] = std::make_shared<const Macro>(std::move(out));
   }
 
   /// "a b:=1 c:='x y' d:=^ e:=^|2 *block **content"
@@ -458,20 +462,22 @@ class Xacro {
       std::vector<std::string> known = {"property", "macro",  "include",     "arg",
                                         "if",       "unless", "insert_block"};
       for (const auto& [macro, m] : macros_) known.push_back(macro);
-      const std::string near = nearest_name(name, known);
+      const std::string near = context_.near(name, known);
       refuse(e, fmt::format("there is no macro '{}'", name.substr(0, 60)),
              near.empty() ? "" : fmt::format("did you mean <xacro:{}>?", near));
     }
-    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("macros call each other more than {} deep", kMostDepth));
-    const Macro macro = found->second;
+    const std::shared_ptr<const Macro> used = found->second;
+    const Macro& macro = *used;
+    context_.spend(4 * macro.parameters.size() * e.attributes.size(), e.at);
     auto inner = std::make_shared<Frame>();
     // A macro sees what was visible where it is called, as xacro's scopes do.
     inner->up = frame;
     std::size_t next_block = 0;
     for (const Macro::Parameter& p : macro.parameters) {
+      context_.spend(500 + 16 * p.name.size(), e.at);
       Property property;
       if (p.stars > 0) {
         if (p.stars == 1) {
@@ -502,6 +508,7 @@ class Xacro {
         } else {
           refuse(e, fmt::format("the parameter '{}' of the macro '{}' is missing", p.name, name));
         }
+        context_.spend(16 * work_of(v), e.at);
         if (const auto* s = std::get_if<std::string>(&v.is)) v = literal(*s);
         property.value = std::move(v);
       } catch (const PyError& error) {
@@ -516,7 +523,7 @@ class Xacro {
       if (!known) {
         std::vector<std::string> names;
         for (const Macro::Parameter& p : macro.parameters) names.push_back(p.name);
-        const std::string near = nearest_name(key, names);
+        const std::string near = context_.near(key, names);
         refuse(e, fmt::format("the macro '{}' has no parameter '{}'", name, key.substr(0, 60)),
                near.empty() ? "" : fmt::format("did you mean '{}'?", near));
       }
@@ -533,7 +540,6 @@ class Xacro {
     const Property* p = find(frame, "*" + name);
     if (p == nullptr && !prefix.empty()) p = find(frame, "*" + prefix + name);
     if (p == nullptr || p->block == nullptr) refuse(e, fmt::format("there is no block '{}'", name));
-    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("blocks hold each other more than {} deep", kMostDepth));
@@ -562,25 +568,16 @@ class Xacro {
     std::string inner = prefix;
     if (const std::string* ns = e.find("ns"); ns != nullptr && !ns->empty())
       inner += text(*ns, e, frame, prefix) + ".";
-    kept_.push_back(context_.parse(*path, e.at));
-    const XmlElement& root = *kept_.back();
-    children(root, to, frame, inner);
+    children(context_.parsed(*path, e.at), to, frame, inner);
     --depth_;
   }
 
   Context& context_;
   FramePtr global_;
-  std::map<std::string, Macro> macros_;
+  std::map<std::string, std::shared_ptr<const Macro>> macros_;
+  std::map<std::string, PyValue> yaml_;            // by path
   std::map<std::string, std::string> defaults_;    // of arguments
-  std::vector<std::unique_ptr<XmlElement>> kept_;  // files and elements that macros point into
-  std::size_t elements_ = 0, budget_ = 20000000;
-  void count_call(const XmlElement& e) {
-    if (++calls_ > kMostCalls)
-      context_.refuse(e.at, "CG1402",
-                      fmt::format("macros and blocks are used more than {} times", kMostCalls));
-  }
-
-  std::size_t calls_ = 0;
+  std::vector<std::unique_ptr<XmlElement>> kept_;  // elements that macros point into
   int depth_ = 0, level_ = 0, text_level_ = 0;
 };
 

@@ -125,9 +125,9 @@ std::vector<CodeInfo> scene_codes() {
        "no texture.",
        "<material name=\"floor\" texture=\"pictures/floor.png\" texture-size=\"2 m\"/>"},
       {"CG0714", error, "a coupling that cannot hold",
-       "A `couple` couples joints with one axis (hinge, slider, screw), each joint once and not "
-       "with "
-       "itself; there is one `ratio` for each joint in `to`; the initial positions and velocities "
+       "A `couple` couples joints with one axis (hinge, slider, screw), each joint once, not "
+       "with itself, and not in a cycle, where joints would follow each other; there is one "
+       "`ratio` for each joint in `to`; the initial positions and velocities "
        "of "
        "the joints satisfy it.",
        "Correct the attribute that the message names. A joint without `position` starts where the "
@@ -255,6 +255,20 @@ std::vector<CodeInfo> scene_codes() {
       {"CG2008", warning, "something the backend does approximately",
        "The chosen engine only approximates an element of this scene; the message states how.",
        "No action is needed. Another backend may simulate it exactly.", ""},
+      {"CG2009", warning, "a pendulum that cannot swing",
+       "A hinge or ball joint on the world holds a body at its centre of mass. Gravity has no "
+       "lever "
+       "there, so the body stays where it is. A joint without `xyz` and `frame` is at the origin "
+       "of "
+       "its child, which is the centre of a box, cylinder or capsule. Wheels, and joints with a "
+       "motor, "
+       "coupling, spring or initial velocity, are not reported.",
+       "Give the joint the place where the body hangs. A beam that is to balance on its middle "
+       "says so: xyz=\"0 0 0\" with the body as `frame`, and no initial `position`.",
+       "bad:  <capsule name=\"rod\" radius=\"1 cm\" length=\"60 cm\" …/>\n"
+       "      <hinge name=\"pivot\" child=\"rod\" axis=\"0 1 0\" position=\"60 deg\"/>\n"
+       "good: <hinge name=\"pivot\" child=\"rod\" frame=\"rod\" xyz=\"0 0 30 cm\" axis=\"0 1 0\" "
+       "…/>"},
   };
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <initializer_list>
+#include <iterator>
 #include <utility>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/model/shapes.h"
 #include "language/vocabulary.h"
 
 namespace cogrsim::dsl::rows {
@@ -124,6 +126,10 @@ inline Attributes placed() {
            "Body, assembly or frame that xyz and rpy refer to, instead of the parent element.")};
 }
 
+inline Words combine_rules() {
+  return Words(std::begin(kCombineRuleNames) + 1, std::end(kCombineRuleNames));
+}
+
 /// Attributes of a material, which a shape may override.
 inline Attributes matter() {
   return {
@@ -139,6 +145,12 @@ inline Attributes matter() {
       between(number("restitution", kNone,
                      "Coefficient of restitution: 0 does not bounce, 1 loses nothing."),
               0.0, 1.0),
+      choice(
+          "friction-combine", combine_rules(),
+          "How the friction of a pair is made of the two frictions; of two rules that differ the "
+          "later one in this list holds; geometric if neither material says one."),
+      choice("restitution-combine", combine_rules(),
+             "Likewise of restitution; max if neither material says one."),
       above_zero(number("stiffness", kStiffness,
                         "Stiffness of a contact point; as stiff as the engine can if left out.")),
       attr("color", Kind::color, "Color."),

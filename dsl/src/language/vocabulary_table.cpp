@@ -81,6 +81,10 @@ Attributes joint_axes(const std::vector<Dimension>& q) {
       row("velocity", u, "Initial velocity; 0 if left out.")};
 }
 
+AttributeSpec target(std::string_view name, std::string_view doc) {
+  return either(name, {kAngularSpeed, kSpeed, kTorque, kForce, kAngle, kLength, kVoltage}, doc);
+}
+
 Attributes drive() {
   return named() +
          Attributes{
@@ -91,6 +95,8 @@ Attributes drive() {
              above_zero(number("max-torque", kTorque, "Largest torque, for a rotational axis.")),
              above_zero(number("max-force", kForce, "Largest force, for a translational axis.")),
              above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed.")),
+             target("min-target", "Least target: one below it is taken as this."),
+             target("max-target", "Largest target: one above it is taken as this."),
              attr("target-signal", Kind::text,
                   "Signal that gives the target in every step until a controller or an action sets "
                   "one, such as \"0.5 rad * sin(2 rad/s * time)\", in the unit of `target`.")};
@@ -537,7 +543,7 @@ void add_motion(std::vector<ElementSpec>& out) {
           Attributes{
               choice("mode", {"velocity", "torque", "position", "dc"},
                      "Meaning of its target; dc: a voltage.", "velocity"),
-              either("target", {kAngularSpeed, kSpeed, kTorque, kForce, kAngle, kLength, kVoltage},
+              target("target",
                      "Target until a controller sets another one; if left out 0 or, in position "
                      "mode, the joint's position."),
               above_zero(number("response", kTime, "Time constant in position mode.", "50 ms")),

@@ -1,6 +1,7 @@
 // Diagnostics as text for people.
 #include <algorithm>
 
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/dsl/compiler.h"
 
 namespace cogrsim::dsl {
@@ -53,7 +54,19 @@ Excerpt window(const std::string& line, int column) {
 
 }  // namespace
 
-std::string to_text(const Diagnostic& d, bool color) {
+// Strangers choose the names of files and what stands in them: nothing of it may steer a terminal, or
+// look like another diagnostic.
+std::string to_text(const Diagnostic& given, bool color) {
+  Diagnostic d = given;
+  d.code = one_line(d.code);
+  d.message = paragraph(d.message);
+  d.file = one_line(d.file);
+  d.source_line = printable(d.source_line);
+  d.help = printable(d.help);
+  for (DiagnosticNote& n : d.notes) {
+    n.message = paragraph(n.message);
+    n.file = one_line(n.file);
+  }
   const Style& s = color ? kAnsi : kPlain;
   const bool bad = d.severity == Severity::error;
   std::string out = std::string(bad ? s.error : s.warning) + severity_name(d.severity) +

@@ -83,18 +83,13 @@ struct ParamUse {
 
 struct OutlineNotes;  // outline_notes.h
 
-/// All that may be read and computed for a scene, in units of some nanoseconds: a byte of a number is
-/// 2, a byte of a text or an expression 16, an entry of a list 64. The content of a repeat counts
-/// in each iteration.
-inline constexpr std::size_t kMostWork = std::size_t{512} << 20;
-
 /// Everything one compilation shares. Deques keep addresses valid.
 struct CompileContext {
   const CompileOptions& options;
   SourceFiles& files;
   DiagnosticSink& sink;
   std::uint64_t seed = 1;  ///< set before the first random draw: options.seed, else physics seed=
-  std::size_t work = kMostWork;  ///< that may still be done, see spend()
+  std::size_t& work = files.work;  ///< that may still be done, see spend()
   std::deque<Element> elements = {};
   std::deque<Scope> scopes = {};
   std::deque<Trail> trails = {};

@@ -17,6 +17,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/dsl/compiler.h"
+#include "syntax/work.h"
 
 namespace cogrsim::dsl {
 
@@ -77,6 +78,9 @@ struct Document {
 /// All files of one compilation. Checks that they come from allowed folders.
 class SourceFiles {
  public:
+  /// What may still be read and computed, see kMostWork.
+  std::size_t work = kMostWork;
+
   SourceFiles(const CompileOptions& options, DiagnosticSink& sink);
   ~SourceFiles();
 

@@ -264,6 +264,7 @@ bool SourceFiles::convert_model(const std::string& path, std::string_view href,
   how.only_below = roots_;
   how.scene_folder = fs::path(path).parent_path().string();
   how.limits = options_.limits;
+  how.work = &work;
   ImportResult made = import_model(path, how);
   read_.insert(made.files_read.begin(), made.files_read.end());
   std::map<std::string, Report> reports;  // the same of several lines is one with several notes
@@ -274,6 +275,13 @@ bool SourceFiles::convert_model(const std::string& path, std::string_view href,
     same->second.note("in the imported model", d);
   }
   if (made.scene.empty()) return false;
+  const std::size_t cost = 16 * made.scene.size();
+  if (cost >= work) {
+    work = 0;
+    sink_.report("CG1402", at, nullptr, "there is too much to read and to compute in this model");
+    return false;
+  }
+  work -= cost;
   const std::size_t lost = made.count(Fidelity::left_out);
   if (lost > 0) {
     const auto first =

@@ -95,7 +95,7 @@ DrawList list_items(const std::vector<Item>& items, const std::vector<Placement>
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (i == 0 || seen[i].key() != seen[i - 1].key()) {
       out.batches.push_back(
-          {seen[i].geometry, seen[i].texture, seen[i].cull, seen[i].transparent, i, 0});
+          {seen[i].geometry, seen[i].texture, seen[i].cull, seen[i].transparent, false, i, 0});
     }
     ++out.batches.back().count;
     const std::size_t item = seen[i].item;

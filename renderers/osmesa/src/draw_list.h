@@ -23,6 +23,7 @@ struct Batch {
   const Texture* texture = nullptr;  ///< nullptr: none
   bool cull = false;                 ///< its back cannot be seen
   bool transparent = false;
+  bool floor = false;
   std::size_t first = 0, count = 0;  ///< instances
 };
 

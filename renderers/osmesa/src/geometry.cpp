@@ -169,7 +169,62 @@ Triangles smooth(const std::vector<Vec3>& vertices, const std::vector<Eigen::Vec
   return out;
 }
 
+/// Number of the first vertex at the same place, to about a millionth of the extent.
+std::vector<std::uint32_t> merged(const std::vector<Vertex>& vertices) {
+  float extent = 0.0F;
+  for (const Vertex& vertex : vertices) {
+    for (const float x : vertex.position) extent = std::max(extent, std::abs(x));
+  }
+  const double cell = std::max(1e-6 * static_cast<double>(extent), 1e-30);
+  std::map<std::array<std::int64_t, 4>, std::uint32_t> known;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+    const auto& [x, y, z] = vertices[i].position;
+    out.push_back(known
+                      .try_emplace({std::llround(x / cell), std::llround(y / cell),
+                                    std::llround(z / cell), std::llround(vertices[i].end)},
+                                   i)
+                      .first->second);
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> edges_of(const Triangles& triangles) {
+  const std::vector<std::uint32_t> place = merged(triangles.vertices);
+  // Sides of triangles between two places; those of one edge stand beside each other.
+  struct Side {
+    std::uint64_t places;
+    std::uint32_t a, b;
+  };
+  std::vector<Side> sides;
+  sides.reserve(triangles.indices.size());
+  for (std::size_t i = 0; i + 2 < triangles.indices.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t a = triangles.indices[i + k], b = triangles.indices[i + (k + 1) % 3];
+      if (place[a] == place[b]) continue;
+      if (place[a] > place[b]) std::swap(a, b);
+      sides.push_back({std::uint64_t{place[a]} << 32U | place[b], a, b});
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& s, const Side& t) { return s.places < t.places; });
+  const float alike = static_cast<float>(std::cos(15.0 * kPi / 180.0));
+  const auto differ = [&](std::uint32_t a, std::uint32_t b) {
+    const auto &m = triangles.vertices[a].normal, &n = triangles.vertices[b].normal;
+    return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < alike;
+  };
+  std::vector<std::uint32_t> out;
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    const Side& first = sides[i];
+    bool jump = false;
+    for (end = i + 1; end < sides.size() && sides[end].places == first.places; ++end)
+      jump |= differ(first.a, sides[end].a) && differ(first.b, sides[end].b);
+    if (jump || end == i + 1) out.insert(out.end(), {first.a, first.b});
+  }
+  return out;
+}
 
 int segments_for(double radius_pixels, double tolerance) {
   // A polygon of the circle's area strays from it by at most r (pi/n)^2 / 3, at its corners.

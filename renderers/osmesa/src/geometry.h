@@ -39,6 +39,10 @@ std::array<float, 4> unit_scale(const Shape& shape);
 /// frame [m], with smooth normals where faces meet at less than 30 degrees.
 Triangles faces_of(const SceneModel& model, const Shape& shape);
 
+/// Pairs of vertices between which the surface has a visible edge: where shading jumps from one
+/// triangle to the next, and where a surface ends.
+std::vector<std::uint32_t> edges_of(const Triangles& triangles);
+
 /// The same geometry with texture coordinates by the rule of cogrsim/model/surface.h, scaled to the
 /// shape's size; vertices are no longer shared, so that seams are right.
 Triangles textured(const SceneModel& model, const Shape& shape, const Triangles& plain);

@@ -24,9 +24,13 @@ Geometry::Geometry(const Gl& gl, const Triangles& triangles)
                  triangles.vertices.data(), GL_STATIC_DRAW);
   gl_.GenBuffers(1, &indices_);
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  std::vector<std::uint32_t> indices = triangles.indices;
+  const std::vector<std::uint32_t> edges = edges_of(triangles);
+  indices.insert(indices.end(), edges.begin(), edges.end());
+  edge_count_ = static_cast<GLsizei>(edges.size());
   gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER,
-                 static_cast<GLsizeiptr>(triangles.indices.size() * sizeof(std::uint32_t)),
-                 triangles.indices.data(), GL_STATIC_DRAW);
+                 static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)), indices.data(),
+                 GL_STATIC_DRAW);
   const GLsizei stride = sizeof(Vertex);
   gl_.VertexAttribPointer(kPosition, 4, GL_FLOAT, GL_FALSE, stride,
                           offset(offsetof(Vertex, position)));

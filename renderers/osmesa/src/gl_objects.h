@@ -12,7 +12,7 @@
 
 namespace cogrsim::osmesa {
 
-/// Vertices and indices in buffers of their own.
+/// Vertices and indices in buffers of their own: triangles, then lines along the edges.
 class Geometry {
  public:
   Geometry(const Gl& gl, const Triangles& triangles);
@@ -22,11 +22,12 @@ class Geometry {
 
   GLuint array() const { return array_; }
   GLsizei index_count() const { return index_count_; }
+  GLsizei edge_count() const { return edge_count_; }
 
  private:
   const Gl& gl_;
   GLuint array_ = 0, vertices_ = 0, indices_ = 0;
-  GLsizei index_count_ = 0;
+  GLsizei index_count_ = 0, edge_count_ = 0;
 };
 
 /// A picture with its mip-maps, sRGB to linear light when read; repeats.

@@ -33,6 +33,11 @@ std::shared_ptr<const Image> floor_grid() {
   return grid;
 }
 
+std::array<float, 4> linear(const Color& color) {
+  return {static_cast<float>(to_linear(color.r)), static_cast<float>(to_linear(color.g)),
+          static_cast<float>(to_linear(color.b)), static_cast<float>(color.a)};
+}
+
 }  // namespace
 
 Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& textures) {
@@ -51,14 +56,16 @@ Result<std::vector<Item>> collect_items(const SceneModel& model, TextureStore& t
       item.source = &shape;
       item.X_BS = shape.X_BS;
       item.scale = unit_scale(shape);
-      const Color color = shown_color(model, item.body, shape);
-      item.color = {static_cast<float>(to_linear(color.r)), static_cast<float>(to_linear(color.g)),
-                    static_cast<float>(to_linear(color.b)), static_cast<float>(color.a)};
+      item.color = linear(shown_color(model, item.body, shape));
       if (!material.texture.empty()) {
         item.picture = textures.texture(material);
         if (item.picture == nullptr) return fail(textures.problem(), shape.name);
       } else if (shape.type == ShapeType::plane && !has_looks(material)) {
         item.picture = floor_grid();
+      }
+      if (shape.type == ShapeType::plane) {
+        item.floor_color = linear(floor_color(model, item.body, shape));
+        item.floor_picture = item.picture != nullptr ? item.picture : floor_grid();
       }
       const geometry::Ball ball = geometry::bounding_ball(model, shape);
       item.middle = ball.middle;

@@ -18,9 +18,12 @@ struct Item {
   std::array<float, 4> scale{};
   std::array<float, 4> color{};          ///< linear light, and opacity
   std::shared_ptr<const Image> picture;  ///< nullptr: no texture
-  Vec3 middle = Vec3::Zero();            ///< of a sphere around it, in S [m]
-  double bounding_radius = 0.0;          ///< radius of that sphere [m]
-  double curve = 0.0;                    ///< radius of what is round [m]; 0: nothing
+  // The same of a plane in a picture for people.
+  std::array<float, 4> floor_color{};
+  std::shared_ptr<const Image> floor_picture;
+  Vec3 middle = Vec3::Zero();    ///< of a sphere around it, in S [m]
+  double bounding_radius = 0.0;  ///< radius of that sphere [m]
+  double curve = 0.0;            ///< radius of what is round [m]; 0: nothing
   bool closed() const { return type <= ShapeType::capsule; }
 };
 

@@ -15,6 +15,8 @@ namespace cogrsim::osmesa {
 namespace {
 
 constexpr int kShadowMapSize = 1024;
+// A floor fades into the sky between these shares of the view's far end.
+constexpr double kFadeBegin = 0.2, kFadeEnd = 0.9;
 // Frames are kept for the next picture of their size, within these bounds.
 constexpr std::size_t kTargetsKept = 8;
 constexpr std::int64_t kSamplesKept = 32'000'000;  // of eight bytes each
@@ -119,14 +121,16 @@ Result<> SceneRenderer::take_model(const SceneModelPtr& model) {
   items_ = std::move(*items);
   for (auto it = textures_.begin(); it != textures_.end();) {
     const bool used = std::any_of(items_.begin(), items_.end(), [&](const Item& item) {
-      return item.picture.get() == it->first;
+      return item.picture.get() == it->first || item.floor_picture.get() == it->first;
     });
     it = used ? std::next(it) : textures_.erase(it);
   }
   for (const Item& item : items_) {
-    if (item.picture == nullptr) continue;
-    std::unique_ptr<Texture>& texture = textures_[item.picture.get()];
-    if (texture == nullptr) texture = std::make_unique<Texture>(gl_, *item.picture);
+    for (const Image* picture : {item.picture.get(), item.floor_picture.get()}) {
+      if (picture == nullptr) continue;
+      std::unique_ptr<Texture>& texture = textures_[picture];
+      if (texture == nullptr) texture = std::make_unique<Texture>(gl_, *picture);
+    }
   }
   lights_ = lights_of(*model);
   model_ = model;
@@ -171,12 +175,13 @@ const Texture* SceneRenderer::texture_of(std::size_t index) const {
   return picture == nullptr ? nullptr : textures_.at(picture).get();
 }
 
-Program& SceneRenderer::lit_program(bool shadows, bool textured) {
+Program& SceneRenderer::lit_program(bool shadows, bool textured, Look look) {
   const std::string letters = letters_of(lights_, shadows);
-  std::unique_ptr<Program>& made = programs_[(textured ? "textured " : "plain ") + letters];
+  std::unique_ptr<Program>& made = programs_[fmt::format(
+      "{} {} {}", textured ? "textured" : "plain", static_cast<int>(look), letters)];
   if (made == nullptr) {
     made = std::make_unique<Program>(gl_, instanced_vertex_shader(true, textured),
-                                     lit_fragment_shader(letters, textured));
+                                     lit_fragment_shader(letters, textured, look));
     made->use();
     made->set("u_texture", 0);
     made->set("u_shadows", 1);
@@ -210,27 +215,45 @@ Target& SceneRenderer::target(Target::Kind kind, int width, int height, int samp
   return *targets_.front();
 }
 
+void SceneRenderer::bind_instances(const Batch& batch) {
+  gl_.BindVertexArray(batch.geometry->array());
+  gl_.BindBuffer(GL_ARRAY_BUFFER, instances_);
+  const GLsizei stride = sizeof(Instance);
+  const auto point = [&](GLuint location, GLint size, std::size_t bytes) {
+    gl_.VertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride,
+                            reinterpret_cast<const void*>(batch.first * sizeof(Instance) + bytes));
+  };
+  for (GLuint i = 0; i < 3; ++i) point(kRows + i, 4, offsetof(Instance, rows) + 16 * i);
+  point(kScale, 4, offsetof(Instance, scale));
+  point(kColor, 4, offsetof(Instance, color));
+  point(kBody, 1, offsetof(Instance, body));
+}
+
 void SceneRenderer::draw(const DrawList& list, bool transparent,
                          const std::function<void(const Batch&)>& use) {
   for (const Batch& batch : list.batches) {
     if (batch.transparent != transparent) continue;
     if (use) use(batch);
-    gl_.BindVertexArray(batch.geometry->array());
-    gl_.BindBuffer(GL_ARRAY_BUFFER, instances_);
-    const GLsizei stride = sizeof(Instance);
-    const auto point = [&](GLuint location, GLint size, std::size_t bytes) {
-      gl_.VertexAttribPointer(
-          location, size, GL_FLOAT, GL_FALSE, stride,
-          reinterpret_cast<const void*>(batch.first * sizeof(Instance) + bytes));
-    };
-    for (GLuint i = 0; i < 3; ++i) point(kRows + i, 4, offsetof(Instance, rows) + 16 * i);
-    point(kScale, 4, offsetof(Instance, scale));
-    point(kColor, 4, offsetof(Instance, color));
-    point(kBody, 1, offsetof(Instance, body));
+    bind_instances(batch);
     if (batch.cull) gl_.Enable(GL_CULL_FACE);
     gl_.DrawElementsInstanced(GL_TRIANGLES, batch.geometry->index_count(), GL_UNSIGNED_INT, nullptr,
                               static_cast<GLsizei>(batch.count));
     if (batch.cull) gl_.Disable(GL_CULL_FACE);
+  }
+}
+
+void SceneRenderer::draw_edges(const DrawList& list, const View& view) {
+  Program& edges = program("edges", edge_vertex_shader, edge_fragment_shader);
+  edges.use();
+  edges.set("u_clip", Eigen::Matrix4f(view.clip.cast<float>()));
+  for (const Batch& batch : list.batches) {
+    if (batch.floor || batch.transparent || batch.geometry->edge_count() == 0) continue;
+    bind_instances(batch);
+    gl_.DrawElementsInstanced(
+        GL_LINES, batch.geometry->edge_count(), GL_UNSIGNED_INT,
+        reinterpret_cast<const void*>(static_cast<std::size_t>(batch.geometry->index_count()) *
+                                      sizeof(std::uint32_t)),
+        static_cast<GLsizei>(batch.count));
   }
 }
 
@@ -288,9 +311,13 @@ void SceneRenderer::add_planes(DrawList& list, const View& view, const RenderReq
     }
     plane_patches_.push_back(std::make_unique<Geometry>(gl_, fan));
     const bool transparent = item.color[3] < 1.0F;
-    list.batches.push_back(
-        {plane_patches_.back().get(), texture_of(i), false, transparent, list.instances.size(), 1});
+    const Texture* texture =
+        request.illustrated ? textures_.at(item.floor_picture.get()).get() : texture_of(i);
+    list.batches.push_back({plane_patches_.back().get(), texture, false, transparent,
+                            request.illustrated, list.instances.size(), 1});
     list.instances.push_back(make_instance(item, Placement(), Vec3::Zero()));
+    if (request.illustrated)
+      std::copy(item.floor_color.begin(), item.floor_color.end(), list.instances.back().color);
   }
 }
 
@@ -360,16 +387,30 @@ void SceneRenderer::draw_shadow_maps() {
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-void SceneRenderer::draw_sky(const View& view) {
+void SceneRenderer::set_sky(Program& program, const RenderRequest& request) const {
+  if (request.background.kind == Background::Kind::plain) {
+    const Color& plain = request.background.color;
+    for (const char* name : {"u_zenith", "u_horizon", "u_nadir"})
+      program.set(name, linear(plain.r, plain.g, plain.b));
+    return;
+  }
+  const Eigen::Vector3f horizon = linear(0.86, 0.91, 0.96);
+  const bool floor = std::any_of(items_.begin(), items_.end(),
+                                 [](const Item& item) { return item.type == ShapeType::plane; });
+  program.set("u_zenith", linear(0.36, 0.56, 0.80));
+  program.set("u_horizon", horizon);
+  // A floor fades into the haze above it.
+  program.set("u_nadir", request.illustrated && floor ? horizon : linear(0.62, 0.63, 0.64));
+}
+
+void SceneRenderer::draw_sky(const View& view, const RenderRequest& request) {
   Program& sky = program("sky", full_screen_vertex_shader, sky_fragment_shader);
   sky.use();
   const Vec3 corner = view.ray(0, 0);
   sky.set("u_corner", Eigen::Vector3f(corner.cast<float>()));
   sky.set("u_right", Eigen::Vector3f((view.ray(view.width, 0) - corner).cast<float>()));
   sky.set("u_down", Eigen::Vector3f((view.ray(0, view.height) - corner).cast<float>()));
-  sky.set("u_zenith", linear(0.36, 0.56, 0.80));
-  sky.set("u_horizon", linear(0.86, 0.91, 0.96));
-  sky.set("u_nadir", linear(0.62, 0.63, 0.64));
+  set_sky(sky, request);
   gl_.BindVertexArray(empty_array_);
   gl_.DepthFunc(GL_GEQUAL);
   gl_.DepthMask(GL_FALSE);
@@ -408,7 +449,10 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
   const Texture* bound = nullptr;
   std::vector<Program*> ready;
   const auto use = [&](const Batch& batch) {
-    Program& wanted = lit_program(request.shadows, batch.texture != nullptr);
+    const Look look = !request.illustrated ? Look::plain
+                      : batch.floor        ? Look::floor
+                                           : Look::outlined;
+    Program& wanted = lit_program(request.shadows, batch.texture != nullptr, look);
     if (&wanted != current) {
       current = &wanted;
       wanted.use();
@@ -416,6 +460,11 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
         ready.push_back(&wanted);
         wanted.set("u_clip", Eigen::Matrix4f(view.clip.cast<float>()));
         set_lights(wanted, lights_, request.shadows, casters_, view, kShadowMapSize);
+        if (look == Look::floor) {
+          set_sky(wanted, request);
+          wanted.set("u_fade", Eigen::Vector3f(static_cast<float>(kFadeBegin * view.far),
+                                               static_cast<float>(kFadeEnd * view.far), 0.0F));
+        }
       }
     }
     if (batch.texture != nullptr && batch.texture != bound) {
@@ -424,10 +473,11 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
     }
   };
   draw(list, false, use);
-  if (request.background.kind == Background::Kind::sky) draw_sky(view);
+  if (request.background.kind == Background::Kind::sky) draw_sky(view, request);
   gl_.Enable(GL_BLEND);
   current = nullptr;
   gl_.DepthMask(GL_FALSE);
+  if (request.illustrated) draw_edges(list, view);
   draw(list, true, use);
   draw_lines(view, request.camera, request.overlay);
   gl_.DepthMask(GL_TRUE);

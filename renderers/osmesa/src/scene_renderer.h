@@ -38,14 +38,17 @@ class SceneRenderer {
 
   const Geometry& geometry_of(std::size_t item, int segments);
   const Texture* texture_of(std::size_t item) const;
-  Program& lit_program(bool shadows, bool textured);
+  Program& lit_program(bool shadows, bool textured, Look look);
   Program& program(const std::string& name, std::string (*vertex)(), std::string (*fragment)());
   Target& target(Target::Kind kind, int width, int height, int samples);
   /// Adds the planes to a list, cut to what the view sees; keeps their geometry until the next.
   void add_planes(DrawList& list, const View& view, const RenderRequest& request);
   void upload(const DrawList& list);
   void draw(const DrawList& list, bool transparent, const std::function<void(const Batch&)>& use);
-  void draw_sky(const View& view);
+  void bind_instances(const Batch& batch);
+  void draw_edges(const DrawList& list, const View& view);
+  void set_sky(Program& program, const RenderRequest& request) const;
+  void draw_sky(const View& view, const RenderRequest& request);
   void draw_lines(const View& view, const Camera& camera, const Overlay& overlay);
 
   const Gl& gl_;

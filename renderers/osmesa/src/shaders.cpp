@@ -52,6 +52,20 @@ float shadow_around(vec3 d, float layer, vec2 depth) {
 }
 )";
 
+/// Light from a direction where nothing is.
+constexpr const char* kSkyFunction = R"(
+uniform vec3 u_zenith;
+uniform vec3 u_horizon;
+uniform vec3 u_nadir;
+vec3 sky(vec3 ray) {
+  float up = ray.z * inversesqrt(dot(ray, ray));
+  // Fast near the horizon, slow above: 1 - (1 - up)^3; below, the haze ends within a few degrees.
+  float a = 1.0 - clamp(up, 0.0, 1.0);
+  vec3 above = mix(u_horizon, u_zenith, 1.0 - a * a * a);
+  return mix(above, u_nadir, clamp(-8.0 * up, 0.0, 1.0));
+}
+)";
+
 }  // namespace
 
 Program::Program(const Gl& gl, const std::string& vertex, const std::string& fragment) : gl_(gl) {
@@ -146,7 +160,7 @@ void main() { o_data = vec2(1.0 / gl_FragCoord.w, v_body); }
 
 std::string shadow_fragment_shader() { return std::string(kVersion) + "void main() {}\n"; }
 
-std::string lit_fragment_shader(const std::string& lights, bool textured) {
+std::string lit_fragment_shader(const std::string& lights, bool textured, Look look) {
   std::string out = kVersion;
   out += R"(
 in vec3 v_position;
@@ -171,6 +185,7 @@ uniform vec3 u_ambient_toward;
     }
   }
   if (shadows) out += kShadowFunctions;
+  if (look == Look::floor) out += std::string(kSkyFunction) + "uniform vec3 u_fade;\n";
   out += R"(
 void main() {
   vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);
@@ -220,7 +235,55 @@ void main() {
   }
   out += textured ? "  vec4 color = v_color * texture(u_texture, v_uv);\n"
                   : "  vec4 color = v_color;\n";
-  return out + "  o_color = vec4(color.rgb * light, color.a);\n}\n";
+  out += "  o_color = vec4(color.rgb * light, color.a);\n";
+  if (look == Look::outlined) {
+    // On a round surface the cosine of the view angle falls with the root of the distance to the
+    // outline; divided by twice its change from pixel to pixel it is that distance [pixel].
+    out +=
+        "  float facing = abs(dot(n, normalize(v_position)));\n"
+        "  float inside = facing / max(2.0 * fwidth(facing), 1e-6);\n"
+        "  o_color.rgb *= mix(0.3, 1.0, smoothstep(0.3, 1.3, inside));\n";
+  } else if (look == Look::floor) {
+    // u_fade: distances at which it begins and ends [m]
+    out +=
+        "  float far = smoothstep(u_fade.x, u_fade.y, length(v_position));\n"
+        "  o_color.rgb = mix(o_color.rgb, sky(v_position), far);\n";
+  }
+  return out + "}\n";
+}
+
+std::string edge_vertex_shader() {
+  // Lines lie a little nearer than they are, so that they are seen on their own surface.
+  return std::string(kVersion) + R"(
+layout(location = 0) in vec4 a_position;
+layout(location = 3) in vec4 i_row_x;
+layout(location = 4) in vec4 i_row_y;
+layout(location = 5) in vec4 i_row_z;
+layout(location = 6) in vec4 i_scale;
+layout(location = 7) in vec4 i_color;
+uniform mat4 u_clip;
+flat out vec4 v_color;
+void main() {
+  vec4 p = vec4(a_position.xyz * i_scale.xyz, 1.0);
+  p.z += a_position.w * i_scale.w;
+  gl_Position = u_clip * vec4(dot(i_row_x, p), dot(i_row_y, p), dot(i_row_z, p), 1.0);
+  gl_Position.z = min(1.001 * gl_Position.z, gl_Position.w);
+  v_color = i_color;
+}
+)";
+}
+
+std::string edge_fragment_shader() {
+  return std::string(kVersion) + R"(
+flat in vec4 v_color;
+out vec4 o_color;
+void main() {
+  // The edges of what is nearly black are lighter than it.
+  float bright = dot(v_color.rgb, vec3(0.2126, 0.7152, 0.0722));
+  vec3 shade = bright > 0.03 ? 0.2 * v_color.rgb : v_color.rgb + vec3(0.1);
+  o_color = vec4(shade, 0.85 * v_color.a);
+}
+)";
 }
 
 std::string full_screen_vertex_shader() {
@@ -239,19 +302,10 @@ void main() {
 }
 
 std::string sky_fragment_shader() {
-  return std::string(kVersion) + R"(
+  return std::string(kVersion) + kSkyFunction + R"(
 in vec3 v_ray;
 out vec4 o_color;
-uniform vec3 u_zenith;
-uniform vec3 u_horizon;
-uniform vec3 u_nadir;
-void main() {
-  float up = v_ray.z * inversesqrt(dot(v_ray, v_ray));
-  // Fast near the horizon, slow above: 1 - (1 - up)^3; below, the haze ends within a few degrees.
-  float a = 1.0 - clamp(up, 0.0, 1.0);
-  vec3 above = mix(u_horizon, u_zenith, 1.0 - a * a * a);
-  o_color = vec4(mix(above, u_nadir, clamp(-8.0 * up, 0.0, 1.0)), 1.0);
-}
+void main() { o_color = vec4(sky(v_ray), 1.0); }
 )";
 }
 

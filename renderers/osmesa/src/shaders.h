@@ -38,8 +38,14 @@ class Program {
 std::string instanced_vertex_shader(bool shading, bool textured);
 std::string data_fragment_shader();
 std::string shadow_fragment_shader();
+/// How a surface is drawn beside its light: as a camera sees it, with a dark outline, or as a floor
+/// that fades into the sky.
+enum class Look { plain, outlined, floor };
 /// `lights`: a letter for each, d (directional), p (point), s (spot), capital if it casts shadows.
-std::string lit_fragment_shader(const std::string& lights, bool textured);
+std::string lit_fragment_shader(const std::string& lights, bool textured, Look look);
+/// Dark lines along edges, in a shade of the body's colour.
+std::string edge_vertex_shader();
+std::string edge_fragment_shader();
 std::string full_screen_vertex_shader();
 std::string sky_fragment_shader();
 std::string overlay_vertex_shader();

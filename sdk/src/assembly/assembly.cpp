@@ -83,12 +83,33 @@ double MotorHandle::max_effort() const {
   return access_ ? motor_max_effort(*access_->port->model(), motor_of(*access_, motor_)) : 0.0;
 }
 
+double MotorHandle::max_voltage() const {
+  return access_ ? motor_of(*access_, motor_).max_voltage : 0.0;
+}
+
+double MotorHandle::lower() const {
+  const JointAxis* axis =
+      access_ ? driven_axis(*access_->port->model(), motor_of(*access_, motor_)) : nullptr;
+  return axis ? axis->lower : -kInfinity;
+}
+
+double MotorHandle::upper() const {
+  const JointAxis* axis =
+      access_ ? driven_axis(*access_->port->model(), motor_of(*access_, motor_)) : nullptr;
+  return axis ? axis->upper : kInfinity;
+}
+
 const Reading& SensorHandle::reading() const {
   static const Reading kNone;
   return access_ ? access_->port->reading(sensor_) : kNone;
 }
 
 bool SensorHandle::valid() const { return access_ && reading().valid; }
+
+const std::string& SensorHandle::type() const {
+  static const std::string kNone;
+  return access_ ? description().type : kNone;
+}
 
 double SensorHandle::time() const { return access_ ? reading().time : kNaN; }
 
@@ -248,6 +269,14 @@ double Assembly::joint_position(const MotorHandle& motor) const {
 
 double Assembly::joint_velocity(const MotorHandle& motor) const {
   return motor.valid() ? access_->port->joint_velocity(motor.motor_) : kNaN;
+}
+
+std::uint64_t Assembly::seed() const { return access_->port->original()->physics.seed; }
+
+const std::string& Assembly::backend() const { return access_->port->original()->physics.backend; }
+
+const std::map<std::string, std::string>& Assembly::set_parameters() const {
+  return access_->port->original()->set_parameters;
 }
 
 std::string Assembly::scene_folder() const {

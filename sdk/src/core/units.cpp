@@ -200,6 +200,32 @@ std::string unit_of(const Dimension& dimension) {
   return composed(dimension);
 }
 
+std::string combined_unit(const std::string& a, char sign, const std::string& b) {
+  if (a.empty() || b.empty()) return "";
+  if (b == "1") return a;
+  if (a == b && sign == '/') return "1";
+  const std::optional<Unit> left = a == "1" ? Unit{} : parse_unit(a), right = parse_unit(b);
+  if (left && right) {
+    Dimension d = left->dimension;
+    const int power = sign == '*' ? 1 : -1;
+    const auto add = [power](std::int8_t& to, int exponent) {
+      to = static_cast<std::int8_t>(std::clamp(to + power * exponent, -100, 100));
+    };
+    add(d.m, right->dimension.m);
+    add(d.kg, right->dimension.kg);
+    add(d.s, right->dimension.s);
+    add(d.ampere, right->dimension.ampere);
+    add(d.angle, right->dimension.angle);
+    add(d.byte, right->dimension.byte);
+    if (d.none()) return "1";
+    for (const NamedDimension& n : kNames) {
+      if (n.dimension == d) return n.unit;
+    }
+  }
+  if (sign == '/') return a + "/(" + b + ")";
+  return a == "1" ? b : a + "*" + b;
+}
+
 bool fits(const Dimension& given, const Dimension& wanted) {
   if (given == wanted) return true;
   if (wanted.kg == 0 || given.angle != 0) return false;

@@ -62,6 +62,10 @@ class Grid {
           below_[index(x, y, z)] = below_[index(x, y, z - 1)] + (free_[index(x, y, z - 1)] ? 1 : 0);
   }
 
+  /// Steps of cutting and measuring parts; each counts where it is taken.
+  void count(std::size_t steps) const { steps_ += steps; }
+  std::size_t steps() const { return steps_; }
+
   double cell() const { return cell_; }
   double low(int axis) const { return low_[axis]; }
 
@@ -93,6 +97,7 @@ class Grid {
     }
     const auto first = [&](int a) { return std::max(0, centre_above(box.low[a], a)); };
     const auto end = [&](int a) { return std::min(count_[a], centre_above(box.high[a], a)); };
+    count(planes.size() * at(std::max(0, end(0) - first(0))) * at(std::max(0, end(1) - first(1))));
     std::size_t cells = 0;
     for (int x = first(0); x < end(0); ++x)
       for (int y = first(1); y < end(1); ++y) {
@@ -179,6 +184,7 @@ class Grid {
   std::vector<bool> free_;
   std::array<std::vector<bool>, 3> wall_;
   std::vector<int> below_;  ///< outside cells of the column below each
+  mutable std::size_t steps_ = 0;
 };
 
 /// The solid within a box, or several such.
@@ -230,6 +236,7 @@ TriangleMesh hull_of(const Part& part, int most) {
 }
 
 void measure(Part& part, const Grid& grid, int most) {
+  grid.count(100 * (3 * part.surface.size() + part.inner.size()));
   part.hull = hull_of(part, most);
   part.hull_volume = volume(part.hull);
   part.excess = grid.excess(part.hull);
@@ -238,6 +245,7 @@ void measure(Part& part, const Grid& grid, int most) {
 /// The two sides of a plane through a part.
 std::pair<Part, Part> cut(const Part& part, int axis, double c, const Grid& grid) {
   std::pair<Part, Part> out;
+  grid.count(20 * part.surface.size());
   for (const Triangle& t : part.surface) {
     std::array<double, 3> d;
     for (int i = 0; i < 3; ++i) d[at(i)] = t[at(i)][axis] - c;
@@ -399,6 +407,9 @@ ConvexParts convex_parts(const TriangleMesh& mesh, const ConvexPartsOptions& opt
   parts.push_back(std::move(whole));
   std::vector<bool> whole_again(1, false);  // no plane cuts it
   while (parts.size() < 2 * most && most > 1 && total(parts) > allowed) {
+    // Uniting parts again takes as long as cutting them.
+    out.cut_short = grid.steps() > options.steps / (parts.size() < most ? 1 : 2);
+    if (out.cut_short) break;
     std::size_t worst = parts.size();
     for (std::size_t i = 0; i < parts.size(); ++i)
       if (!whole_again[i] && (worst == parts.size() || parts[i].excess > parts[worst].excess))
@@ -415,8 +426,9 @@ ConvexParts convex_parts(const TriangleMesh& mesh, const ConvexPartsOptions& opt
   }
   if (parts.size() > 1) {
     for (Part& p : parts) measure(p, grid, 0);
-    unite(parts, grid, most, allowed);
+    if (parts.size() > most || !out.cut_short) unite(parts, grid, most, allowed);
   }
+  out.steps = grid.steps();
   out.excess = total(parts) / of;
   for (Part& p : parts) out.hulls.push_back(std::move(p.hull));
   return out;

@@ -21,7 +21,8 @@ using map_detail::Canvas;
 
 constexpr Color kPaper{0.97, 0.97, 0.96, 1};
 constexpr Color kInk{0.15, 0.15, 0.15, 1};
-constexpr Color kRay{0.9, 0.05, 0.05, 0.8}, kFan{0.25, 0.5, 0.85, 0.22};
+constexpr Color kRay{0.9, 0.05, 0.05, 0.8}, kFan{0.25, 0.5, 0.85, 0.22},
+    kFanHit{0.1, 0.35, 0.75, 0.8};
 constexpr double kTextSize = 12.0;  // [pixel]
 
 MapArea nothing() {
@@ -162,11 +163,50 @@ void draw_heightmap(const Canvas& canvas, const SceneModel& model, const Shape& 
   cairo_set_antialias(canvas.context(), CAIRO_ANTIALIAS_DEFAULT);
 }
 
-void draw_shapes(const Canvas& canvas, const Frame& frame) {
+/// The area that a lidar has seen, at the height of its rays.
+struct Fan {
+  double height = 0.0;  ///< of the lidar [m]
+  std::vector<Eigen::Vector2d> outline;
+};
+
+bool of_lidar(const SensorRay& ray, const SceneModel& model) {
+  return ray.sensor >= 0 && model.sensors[ray.sensor].type == "lidar";
+}
+
+// The lowest first.
+std::vector<Fan> fans_of(const SceneModel& model, const std::vector<SensorRay>& rays) {
+  std::map<int, Fan> fans;
+  for (const SensorRay& ray : rays) {
+    if (!of_lidar(ray, model) || !ray.from.allFinite() || !ray.to.allFinite()) continue;
+    Fan& fan = fans[ray.sensor];
+    if (fan.outline.empty()) fan.outline.push_back(ray.from.head<2>());
+    fan.height = ray.from.z();
+    fan.outline.push_back(ray.to.head<2>());
+  }
+  std::vector<Fan> sorted;
+  for (auto& [sensor, fan] : fans) sorted.push_back(std::move(fan));
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Fan& a, const Fan& b) { return a.height < b.height; });
+  return sorted;
+}
+
+// Shapes that are higher than a lidar hide its fan: it lies over no wall that its rays met.
+void draw_shapes(const Canvas& canvas, const Frame& frame, const std::vector<SensorRay>& rays) {
   const SceneModel& model = *frame.model;
   cairo_t* cr = canvas.context();
   TextureStore textures;
+  const std::vector<Fan> fans = fans_of(model, rays);
+  auto fan = fans.begin();
+  const auto draw_fans_below = [&](double height) {
+    for (; fan != fans.end() && fan->height < height; ++fan) {
+      canvas.paint(kFan);
+      cairo_new_path(cr);
+      canvas.path(fan->outline);
+      cairo_fill(cr);
+    }
+  };
   for (const Item& item : items_of(frame)) {
+    draw_fans_below(item.top);
     const Shape& shape = *item.shape;
     const Pose X_WS = item.X_WB * shape.X_BS;
     const Color color = far_color(model, item, textures);
@@ -190,6 +230,7 @@ void draw_shapes(const Canvas& canvas, const Frame& frame) {
     cairo_set_line_width(cr, 1.0);
     cairo_stroke(cr);
   }
+  draw_fans_below(kInfinity);
 }
 
 void draw_ghosts(const Canvas& canvas, const std::vector<MapGhost>& ghosts) {
@@ -339,33 +380,22 @@ void draw_trails(const Canvas& canvas, const std::vector<MapTrail>& trails) {
   }
 }
 
-// The rays of a lidar are one pale fan, which hides nothing; other rays are lines.
+// What rays hit is a point; the rays of a lidar are its fan (draw_shapes), other rays are lines.
 void draw_rays(const Canvas& canvas, const SceneModel& model, const std::vector<SensorRay>& rays) {
   cairo_t* cr = canvas.context();
-  const auto is_lidar = [&](const SensorRay& ray) {
-    return ray.sensor >= 0 && model.sensors[ray.sensor].type == "lidar";
-  };
-  std::map<int, std::vector<Eigen::Vector2d>> fans;
-  for (const SensorRay& ray : rays) {
-    if (!is_lidar(ray) || !ray.from.allFinite() || !ray.to.allFinite()) continue;
-    std::vector<Eigen::Vector2d>& fan = fans[ray.sensor];
-    if (fan.empty()) fan.push_back(ray.from.head<2>());
-    fan.push_back(ray.to.head<2>());
-  }
-  canvas.paint(kFan);
-  for (const auto& [sensor, fan] : fans) {
-    canvas.path(fan);
-    cairo_fill(cr);
-  }
-  canvas.paint(kRay);
   cairo_set_line_width(cr, 1.0);
   for (const SensorRay& ray : rays) {
-    if (is_lidar(ray) || !ray.from.allFinite() || !ray.to.allFinite()) continue;
-    cairo_move_to(cr, canvas.column(ray.from.x()), canvas.row(ray.from.y()));
-    cairo_line_to(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()));
-    cairo_stroke(cr);
+    if (!ray.from.allFinite() || !ray.to.allFinite()) continue;
+    const bool lidar = of_lidar(ray, model);
+    canvas.paint(lidar ? kFanHit : kRay);
+    if (!lidar) {
+      cairo_move_to(cr, canvas.column(ray.from.x()), canvas.row(ray.from.y()));
+      cairo_line_to(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()));
+      cairo_stroke(cr);
+    }
     if (!ray.hit) continue;
-    cairo_arc(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()), 2.0, 0.0, 6.2831853);
+    cairo_arc(cr, canvas.column(ray.to.x()), canvas.row(ray.to.y()), lidar ? 1.2 : 2.0, 0.0,
+              6.2831853);
     cairo_fill(cr);
   }
 }
@@ -480,7 +510,7 @@ Result<std::string> map_picture(const Frame& frame, const MapOptions& options,
   cairo_set_font_size(cr, kTextSize);
   canvas->paint(kPaper);
   cairo_paint(cr);
-  draw_shapes(*canvas, frame);
+  draw_shapes(*canvas, frame, options.rays);
   if (options.grid) draw_grid(*canvas);
   draw_ghosts(*canvas, options.ghosts);
   draw_rays(*canvas, *frame.model, options.rays);

@@ -16,11 +16,14 @@ using Json = nlohmann::ordered_json;
 
 template <class Io>
 void fields(Io& io, Material& x) {
-  auto& [name, base, density, friction, rolling_friction, spinning_friction, restitution, stiffness,
-         color, texture, texture_size, origin] = x;
+  auto& [name, base, density, friction, rolling_friction, spinning_friction, restitution,
+         friction_combine, restitution_combine, stiffness, color, texture, texture_size, origin] =
+      x;
   io("name", name)("base", base)("density", density)("friction", friction);
   io("rolling_friction", rolling_friction)("spinning_friction", spinning_friction);
-  io("restitution", restitution)("stiffness", stiffness)("color", color)("texture", texture);
+  io("restitution", restitution)("friction_combine", friction_combine);
+  io("restitution_combine", restitution_combine);
+  io("stiffness", stiffness)("color", color)("texture", texture);
   io("texture_size", texture_size)("origin", origin);
 }
 
@@ -93,11 +96,13 @@ void fields(Io& io, Coupling& x) {
 template <class Io>
 void fields(Io& io, Motor& x) {
   auto& [name, joint, axis, mode, max_effort, max_speed, response, kp, ki, kd, kt, ke, resistance,
-         gear, max_voltage, max_current, target, target_signal, assembly, removed, origin] = x;
+         gear, max_voltage, max_current, target, min_target, max_target, target_signal, assembly,
+         removed, origin] = x;
   io("name", name)("joint", joint)("axis", axis)("mode", mode)("max_effort", max_effort);
   io("max_speed", max_speed)("response", response)("kp", kp)("ki", ki)("kd", kd)("kt", kt);
   io("ke", ke)("resistance", resistance)("gear", gear)("max_voltage", max_voltage);
-  io("max_current", max_current)("target", target)("target_signal", target_signal);
+  io("max_current", max_current)("target", target)("min_target", min_target);
+  io("max_target", max_target)("target_signal", target_signal);
   io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
@@ -243,17 +248,18 @@ void fields(Io& io, DrawnValue& x) {
 
 template <class Io>
 void fields(Io& io, SceneModel& x) {
-  auto& [name, files, physics, materials, material_pairs, meshes, heightmaps, assemblies, bodies,
-         frames, joints, couplings, motors, forces, sensors, controllers, supervisors, lights,
-         views, record, plots, regions, doors, mazes, templates, rules, measures, tests, randomize,
-         drawn, no_collide, joint_positions, joint_speeds] = x;
+  auto& [name, files, set_parameters, physics, materials, material_pairs, meshes, heightmaps,
+         assemblies, bodies, frames, joints, couplings, motors, forces, sensors, controllers,
+         supervisors, lights, views, record, plots, regions, doors, mazes, templates, rules,
+         measures, tests, randomize, drawn, no_collide, joint_positions, joint_speeds] = x;
   static_cast<void>(meshes);  // stored as packed numbers, see Model in cogrsim.proto
   static_cast<void>(heightmaps);
   // Elements that are only used during a run are in the attached scene file.
   static_cast<void>(templates);
   static_cast<void>(rules);
   static_cast<void>(tests);
-  io("name", name)("files", files)("physics", physics)("materials", materials);
+  io("name", name)("files", files)("set_parameters", set_parameters)("physics", physics);
+  io("materials", materials);
   io("material_pairs", material_pairs)("assemblies", assemblies)("bodies", bodies);
   io("frames", frames)("joints", joints)("couplings", couplings)("motors", motors);
   io("forces", forces)("sensors", sensors);
@@ -267,6 +273,7 @@ void fields(Io& io, SceneModel& x) {
 /// Highest valid value of an enumeration in a file.
 template <class Enum>
 constexpr int last_of() {
+  if constexpr (std::is_same_v<Enum, CombineRule>) return static_cast<int>(CombineRule::max);
   if constexpr (std::is_same_v<Enum, BodyKind>) return static_cast<int>(BodyKind::static_body);
   if constexpr (std::is_same_v<Enum, ShapeType>) return static_cast<int>(ShapeType::heightmap);
   if constexpr (std::is_same_v<Enum, JointType>) return static_cast<int>(JointType::gimbal);

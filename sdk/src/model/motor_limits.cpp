@@ -8,14 +8,14 @@ namespace cogrsim {
 
 namespace {
 
+double within(double value, double bound) { return std::clamp(value, -bound, bound); }
+
+}  // namespace
+
 const JointAxis* driven_axis(const SceneModel& model, const Motor& motor) {
   const Joint& joint = model.joints[at(motor.joint)];
   return at(motor.axis) < joint.axes.size() ? &joint.axes[at(motor.axis)] : nullptr;
 }
-
-double within(double value, double bound) { return std::clamp(value, -bound, bound); }
-
-}  // namespace
 
 double motor_max_effort(const SceneModel& model, const Motor& motor) {
   const JointAxis* axis = driven_axis(model, motor);
@@ -28,6 +28,7 @@ double motor_max_speed(const SceneModel& model, const Motor& motor) {
 }
 
 double clamp_target(const SceneModel& model, const Motor& motor, double target) {
+  target = std::max(motor.min_target, std::min(target, motor.max_target));
   switch (motor.mode) {
     case MotorMode::velocity:
       return within(target, motor_max_speed(model, motor));

@@ -5,6 +5,9 @@
 
 namespace cogrsim {
 
+/// The axis that the motor drives; nullptr for a joint of another kind.
+const JointAxis* driven_axis(const SceneModel& model, const Motor& motor);
+
 /// The smaller of the limits of the motor and its joint.
 double motor_max_effort(const SceneModel& model, const Motor& motor);
 double motor_max_speed(const SceneModel& model, const Motor& motor);

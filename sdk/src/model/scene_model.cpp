@@ -226,14 +226,43 @@ bool CollisionFilter::collide(int body_a, int body_b) const {
   return true;
 }
 
+double combine(CombineRule rule, double a, double b) {
+  switch (rule) {
+    case CombineRule::average:
+      return 0.5 * (a + b);
+    case CombineRule::min:
+      return std::min(a, b);
+    case CombineRule::multiply:
+      return a * b;
+    case CombineRule::max:
+      return std::max(a, b);
+    case CombineRule::usual:
+    case CombineRule::geometric:
+      break;
+  }
+  return std::sqrt(a * b);
+}
+
+namespace {
+
+/// The rule that holds between two materials.
+CombineRule rule_of(CombineRule a, CombineRule b, CombineRule without_any) {
+  const CombineRule rule = std::max(a, b);
+  return rule == CombineRule::usual ? without_any : rule;
+}
+
+}  // namespace
+
 SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b) {
   const Material& a = model.materials[at(material_a)];
   const Material& b = model.materials[at(material_b)];
   SurfacePair out;
-  out.friction = std::sqrt(a.friction * b.friction);
+  out.friction = combine(rule_of(a.friction_combine, b.friction_combine, CombineRule::geometric),
+                         a.friction, b.friction);
   out.rolling_friction = std::max(a.rolling_friction, b.rolling_friction);
   out.spinning_friction = std::max(a.spinning_friction, b.spinning_friction);
-  out.restitution = std::max(a.restitution, b.restitution);
+  out.restitution = combine(rule_of(a.restitution_combine, b.restitution_combine, CombineRule::max),
+                            a.restitution, b.restitution);
   if (a.stiffness && b.stiffness) {
     const double sum = *a.stiffness + *b.stiffness;
     out.stiffness = sum > 0.0 ? *a.stiffness * (*b.stiffness / sum) : 0.0;

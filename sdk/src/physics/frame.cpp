@@ -48,6 +48,11 @@ std::uint64_t hash_numbers(const double* numbers, std::size_t count, std::uint64
 
 }  // namespace
 
+bool covers(const FrameContents& has, const FrameContents& wanted) {
+  return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
+         (has.accelerations || !wanted.accelerations);
+}
+
 FrameContents operator|(const FrameContents& a, const FrameContents& b) {
   return {a.contacts || b.contacts, a.joint_reactions || b.joint_reactions,
           a.accelerations || b.accelerations, a.for_sensors || b.for_sensors};

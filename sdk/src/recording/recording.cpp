@@ -367,6 +367,9 @@ Result<std::shared_ptr<Frame>> Recording::Impl::frame(std::size_t index) {
   if (auto good = check_frame(*known, **scene); !good) return tl::unexpected(good.error());
   auto out = std::make_shared<Frame>(std::move(known->frame));
   out->model = *scene;
+  out->contents.contacts = contacts;
+  out->contents.accelerations = !out->accelerations.empty() || out->dt == 0.0;
+  out->contents.joint_reactions = !out->joint_reactions.empty();
   out->channels = channels;
   share_outputs(*known, **scene, *out);
   out->readings.reserve(known->readings.size());

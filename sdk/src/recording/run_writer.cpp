@@ -234,11 +234,15 @@ void RunWriter::reading(std::size_t index, const Reading& reading, double time) 
                     reading.enabled == topics.enabled && reading.picture.get() == topics.picture;
   // A sensor has no message before its first reading.
   if (same || (!topics.any && reading.sequence == 0 && reading.enabled)) return;
-  const std::uint64_t now = nanoseconds(time);
+  // A measurement has the time of what it shows, so that viewers put it beside the poses of that
+  // time. That the sensor was switched on or off is known from the time of the frame on.
+  const bool measured = reading.sequence != topics.sequence;
+  const std::uint64_t stamp = nanoseconds(measured ? reading.time : time);
   if (!options_.images) {
     topics.locations = {};
   } else if (reading.picture.get() != topics.picture) {
-    topics.locations = reading.picture ? picture(index, *reading.picture, now) : PictureLocations{};
+    topics.locations =
+        reading.picture ? picture(index, *reading.picture, stamp) : PictureLocations{};
   }
   topics.any = true;
   topics.sequence = reading.sequence;
@@ -247,7 +251,7 @@ void RunWriter::reading(std::size_t index, const Reading& reading, double time) 
   topics.enabled = reading.enabled;
   topics.picture = reading.picture.get();
   topics.kept_picture = reading.picture;  // so that its address is not reused
-  mcap_.message(topics.reading, static_cast<std::uint32_t>(topics.readings), now,
+  mcap_.message(topics.reading, static_cast<std::uint32_t>(topics.readings), stamp,
                 [&](std::string& out) {
                   if (options_.images || !reading.picture) {
                     put_reading(out, reading, topics.locations, topics.named);
@@ -259,7 +263,7 @@ void RunWriter::reading(std::size_t index, const Reading& reading, double time) 
                 });
   ++topics.readings;
   if (topics.scan != 0 && reading.valid) {
-    mcap_.message(topics.scan, static_cast<std::uint32_t>(topics.readings - 1), now,
+    mcap_.message(topics.scan, static_cast<std::uint32_t>(topics.readings - 1), stamp,
                   [&](std::string& out) {
                     put_scan(out, model_->sensors[index], reading, nanoseconds(reading.time));
                   });
@@ -271,7 +275,7 @@ void RunWriter::frame(const Frame& frame, bool keep, std::uint64_t number) {
   const std::size_t sensors = std::min(frame.readings.size(), sensors_.size());
   for (std::size_t i = 0; i < sensors; ++i) reading(i, frame.readings[i], frame.time);
   for (const Event& event : frame.events) {
-    mcap_.message(event_topic_, static_cast<std::uint32_t>(events_++), now,
+    mcap_.message(event_topic_, static_cast<std::uint32_t>(events_++), nanoseconds(event.time),
                   [&](std::string& out) { put_event(out, event); });
   }
   if (!keep) return;

@@ -56,22 +56,25 @@ std::optional<StandardView> standard_view(const std::string& name) {
   return std::nullopt;
 }
 
-geometry::Bounds visible_bounds(const Frame& frame) {
+geometry::Bounds visible_bounds(const Frame& frame, std::size_t body) {
   const SceneModel& model = *frame.model;
   geometry::Bounds all;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const Body& body = model.bodies[i];
-    if (body.removed) continue;
-    for (const Shape& shape : body.shapes) {
-      if (!shape.visible || shape.type == ShapeType::plane) continue;
-      const Pose X_WS = frame.state.poses[i] * shape.X_BS;
-      const geometry::Bounds local = geometry::local_bounds(model, shape);
-      for (int k = 0; k < 8; ++k) {
-        const Vec3 p = X_WS * local.corner(k);
-        if (p.allFinite()) all.add(p);
-      }
+  if (model.bodies[body].removed) return all;
+  for (const Shape& shape : model.bodies[body].shapes) {
+    if (!shape.visible || shape.type == ShapeType::plane) continue;
+    const Pose X_WS = frame.state.poses[body] * shape.X_BS;
+    const geometry::Bounds local = geometry::local_bounds(model, shape);
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 p = X_WS * local.corner(k);
+      if (p.allFinite()) all.add(p);
     }
   }
+  return all;
+}
+
+geometry::Bounds visible_bounds(const Frame& frame) {
+  geometry::Bounds all;
+  for (std::size_t i = 0; i < frame.model->bodies.size(); ++i) all.add(visible_bounds(frame, i));
   if (all.empty()) return {Vec3::Constant(-1.0), Vec3::Constant(1.0)};
   return all;
 }

@@ -27,7 +27,7 @@ std::vector<SensorRay> sensor_rays(const Frame& frame) {
       directions = ray_directions(sensor);
     }
     const RangeLimits limits = range_limits(sensor);
-    const Pose X_WS = sensor_pose(sensor, frame.state);
+    const Pose X_WS = reading.pose.value_or(sensor_pose(sensor, frame.state));
     for (std::size_t k = 0; k < directions.size() && k < reading.values.size(); ++k) {
       const double distance = reading.values[k];  // -inf: below the minimum range, inf: no hit
       if (std::isnan(distance)) continue;

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
 
 namespace cogrsim {
@@ -117,6 +118,7 @@ std::vector<SensorFault> SensorSuite::read(SensorContext& context) {
     reading.valid = measured && slot.sensor->disturb(slot.noise, period, slot.random,
                                                      slot.memory.walk, reading);
     reading.time = now_;
+    reading.pose = sensor_pose(context.frame().model->sensors[i], context.frame().state);
     ++reading.sequence;
   }
   due_.clear();

@@ -221,16 +221,7 @@ class Arithmetic : expression::Parser<Arithmetic, Result<SignalNode>, kDeepest> 
   }
 
   static SignalNode multiplied(const SignalNode& a, char sign, const SignalNode& b) {
-    const std::string &ua = a->unit, &ub = b->unit;
-    std::string unit;
-    if (is_pure(ub)) {
-      unit = ua;
-    } else if (sign == '*') {
-      unit = is_pure(ua) ? ub : fmt::format("{}*{}", ua, ub);
-    } else {
-      unit = ua == ub ? "1" : fmt::format("{}/({})", ua, ub);
-    }
-    return std::make_shared<Binary>(a, sign, b, std::move(unit));
+    return std::make_shared<Binary>(a, sign, b, units::combined_unit(a->unit, sign, b->unit));
   }
 
   Result<SignalNode> primary() {

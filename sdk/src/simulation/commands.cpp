@@ -55,49 +55,50 @@ void Simulation::Impl::refused(const Error& error) {
 }
 
 void Simulation::Impl::apply(Command& command) {
-  const Result<> done = std::visit(
-      Overloaded{[&](Pause&) -> Result<> {
-                   pace.paused = true;
-                   return {};
-                 },
-                 [&](Resume&) -> Result<> {
-                   pace.paused = false;
-                   return {};
-                 },
-                 [&](StepOnce&) -> Result<> {
-                   pace.single_step = true;
-                   return {};
-                 },
-                 [&](SetSpeed& c) -> Result<> {
-                   if (!(c.factor > 0.0)) return fail("the speed must be above 0");
-                   pace.speed = c.factor;
-                   return {};
-                 },
-                 [&](SetStep& c) -> Result<> {
-                   if (!(c.dt > 0.0) || !std::isfinite(c.dt))
-                     return fail("the step must be above 0 s");
-                   clock.set_dt(c.dt);
-                   return {};
-                 },
-                 [&](Restart& c) { return restart(c.seed); },
-                 [&](ApplyForce& c) { return forces.apply(c, host, clock); },
-                 [&](EndRun& c) -> Result<> {
-                   // At the end of its step, so that the last events are published.
-                   ending = true;
-                   events.publish("ended", "", c.reason);
-                   if (!c.reason.empty()) log.report(Severity::note, "run", "ended: " + c.reason);
-                   return {};
-                 },
-                 [&](LogMessage& c) -> Result<> {
-                   log.report(Severity::note, "scene", c.message);
-                   return {};
-                 },
-                 [&](Raise& c) -> Result<> {
-                   events.publish("raised", c.event, c.message);
-                   return {};
-                 },
-                 [&](auto& c) { return actions.apply(c); }},
-      command);
+  const Result<> done =
+      std::visit(Overloaded{[&](Pause&) -> Result<> {
+                              pace.paused = true;
+                              return {};
+                            },
+                            [&](Resume&) -> Result<> {
+                              pace.paused = false;
+                              return {};
+                            },
+                            [&](StepOnce&) -> Result<> {
+                              pace.single_step = true;
+                              return {};
+                            },
+                            [&](SetSpeed& c) -> Result<> {
+                              if (!(c.factor > 0.0)) return fail("the speed must be above 0");
+                              pace.speed = c.factor;
+                              return {};
+                            },
+                            [&](SetStep& c) -> Result<> {
+                              if (!(c.dt >= kShortestStep) || !std::isfinite(c.dt))
+                                return fail("the step must be at least 1e-9 s");
+                              clock.set_dt(c.dt);
+                              return {};
+                            },
+                            [&](Restart& c) { return restart(c.seed); },
+                            [&](ApplyForce& c) { return forces.apply(c, host, clock); },
+                            [&](EndRun& c) -> Result<> {
+                              // At the end of its step, so that the last events are published.
+                              ending = true;
+                              events.publish("ended", "", c.reason);
+                              if (!c.reason.empty())
+                                log.report(Severity::note, "run", "ended: " + c.reason);
+                              return {};
+                            },
+                            [&](LogMessage& c) -> Result<> {
+                              log.report(Severity::note, "scene", c.message);
+                              return {};
+                            },
+                            [&](Raise& c) -> Result<> {
+                              events.publish("raised", c.event, c.message);
+                              return {};
+                            },
+                            [&](auto& c) { return actions.apply(c); }},
+                 command);
   world_changed();
   if (!done) refused(done.error());
 }

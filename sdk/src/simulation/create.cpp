@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/physics/backend_choice.h"
+#include "cogrsim/physics/warnings.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
@@ -102,8 +103,9 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   const auto refuse = [](const Error& error, const char* code) {
     return Failure(std::vector<Diagnostic>{to_diagnostic(error, code)});
   };
-  if (!std::isfinite(options.step) || options.step < 0.0) {
-    return refuse(Error("the step must be a positive number of seconds"), "CG0905");
+  const double step = options.step == 0.0 ? scene->physics.step : options.step;
+  if (!std::isfinite(step) || !(step >= kShortestStep)) {
+    return refuse(Error("the step must be a positive number of seconds, from 1e-9 s"), "CG0905");
   }
   if (!(options.speed > 0.0)) return refuse(Error("the speed must be above 0"), "CG0905");
 
@@ -136,6 +138,8 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   if (std::none_of(found.begin(), found.end(), is_error)) {
     if (auto created = impl->host.create(); !created) {
       found.push_back(to_diagnostic(created.error(), "CG0801"));
+    } else if (auto* const world = impl->host.world().extension<WorldWarnings>()) {
+      for (Diagnostic& d : world->warnings()) found.push_back(std::move(d));
     }
   }
   for (const BuriedCamera& buried : buried_cameras(impl->model())) {
@@ -146,7 +150,11 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
   if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));
-  for (const Diagnostic& d : found) impl->log.report(Severity::warning, "backend", d.message);
+  for (const Diagnostic& d : found) {
+    std::string text = d.message;
+    for (const auto& note : d.notes) text += ": " + note.message;
+    impl->log.report(Severity::warning, "backend", text);
+  }
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 

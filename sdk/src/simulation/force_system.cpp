@@ -1,11 +1,11 @@
-// Forces on bodies, with x and v the position and velocity of the element's frame E:
+// Forces on bodies, at the time after the start of the step that suits the engine
+// (ExternalForces::evaluation_time), with x and v the position and velocity of the element's frame E there:
 //   force   factor F at x
 //   drag    -(c1 + c2 |u|) u  at x,  u = v - wind,  and the torque -c3 w;  wind: its own, and each of
 //           the scene times its factor
-//   spring  along e = (x2 - x) / l, l = |x2 - x|:  T = k (l - l0) + d e (v2 - v),  T e at x, -T e at x2;
-//           e and l a time after the start of the step that suits the engine
-//           (ExternalForces::evaluation_time)
-//   buoyancy  -density V g at the centroid of the volume V below the level, at the same time
+//   spring  along e = (x2 - x) / l, l = |x2 - x|:  T = k (l - l0) + d e (v2 - v),  T e at x, -T e at x2
+//   buoyancy  -density V g at the centroid of the volume V below the level
+// Until then a body's centre of mass c goes on straight, and the body turns about it as it does.
 // Each is moved to the centre of mass c of its body: force F, torque (x - c) x F.
 #include "simulation/force_system.h"
 
@@ -19,24 +19,45 @@ namespace cogrsim {
 
 namespace {
 
+// Of a body's origin.
+struct Motion {
+  Pose X_WB;
+  Twist V_WB;
+};
+
+// Where the body will be after the time `ahead` [s].
+Motion motion_of(const SceneModel& model, const WorldState& state, int body, double ahead) {
+  if (body == kWorld) return {};
+  Motion m{state.poses[at(body)], state.twists[at(body)]};
+  const Body& it = model.bodies[at(body)];
+  if (!(ahead > 0.0) || it.kind == BodyKind::static_body) return m;
+  const Vec3 com =
+      it.kind == BodyKind::dynamic ? it.com : Vec3::Zero();  // kinematic: of its origin
+  const Vec3 arm = m.X_WB.q * com, v = m.V_WB.at(arm);
+  const Vec3 middle = m.X_WB.p + arm + ahead * v;
+  if (const double turn = ahead * m.V_WB.angular.norm(); turn > 0.0)
+    m.X_WB.q = Quat(Eigen::AngleAxisd(turn, m.V_WB.angular.normalized())) * m.X_WB.q;
+  const Vec3 new_arm = m.X_WB.q * com;
+  m.X_WB.p = middle - new_arm;
+  m.V_WB.linear = v - m.V_WB.angular.cross(new_arm);
+  return m;
+}
+
+// Of a point of the body, in its frame.
 struct PointMotion {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero();
 };
 
-PointMotion motion_of(const WorldState& state, int body, const Vec3& point) {
-  if (body == kWorld) return {point, Vec3::Zero()};
-  const Pose& X_WB = state.poses[at(body)];
-  const Vec3 arm = X_WB.q * point;
-  const Vec3 v = state.twists[at(body)].at(arm);
-  return {X_WB.p + arm, v};
+PointMotion point_of(const Motion& m, const Vec3& point) {
+  const Vec3 arm = m.X_WB.q * point;
+  return {m.X_WB.p + arm, m.V_WB.at(arm)};
 }
 
 }  // namespace
 
-void ForceSystem::add(const SceneModel& model, int body, const WorldState& state, const Vec3& force,
+void ForceSystem::add(const SceneModel& model, int body, const Pose& X_WB, const Vec3& force,
                       const Vec3& point, const Vec3& torque) {
   if (body == kWorld || model.bodies[at(body)].kind != BodyKind::dynamic) return;
-  const Pose& X_WB = state.poses[at(body)];
   Wrench& sum = sums_[at(body)];
   sum.force += force;
   sum.torque += torque + (point - X_WB * model.bodies[at(body)].com).cross(force);
@@ -56,17 +77,11 @@ void ForceSystem::buoyancy(const SceneModelPtr& model, std::size_t force, const 
   if (shapes.empty()) {
     for (const Shape& shape : body.shapes) shapes.emplace_back(shape, model->meshes);
   }
-  const Twist& V = state.twists[at(it.body)];
-  Pose X_WB = state.poses[at(it.body)];
-  X_WB.p += ahead * V.linear;
-  if (const double turn = ahead * V.angular.norm(); turn > 0.0)
-    X_WB.q = Quat(Eigen::AngleAxisd(turn, V.angular.normalized())) * X_WB.q;
-  const Vec3 moved = X_WB * body.com - state.poses[at(it.body)] * body.com;
+  const Pose X_WB = motion_of(*model, state, it.body, ahead).X_WB;
   for (const geometry::DisplacedShape& shape : shapes) {
     const geometry::Displaced part = shape.below(X_WB, -gravity.normalized(), it.level);
     if (part.volume > 0.0)
-      add(*model, it.body, state, -it.density * part.volume * gravity, part.centre - moved,
-          Vec3::Zero());
+      add(*model, it.body, X_WB, -it.density * part.volume * gravity, part.centre, Vec3::Zero());
   }
 }
 
@@ -119,20 +134,21 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
   for (std::size_t i = 0; i < model->forces.size(); ++i) {
     const ForceModel& it = model->forces[i];
     if (it.removed) continue;
-    const PointMotion m = motion_of(state, it.body, it.X_BE.p);
+    const Motion body = motion_of(*model, state, it.body, ahead);
+    const PointMotion m = point_of(body, it.X_BE.p);
     switch (it.kind) {
       case ForceModel::Kind::force: {
         const double f = factor(i);
         Quat q(1, 0, 0, 0);
-        if (it.in_body && it.body != kWorld) q = state.poses[at(it.body)].q * it.X_BE.q;
-        add(*model, it.body, state, f * (q * it.force), m.x, f * (q * it.torque));
+        if (it.in_body && it.body != kWorld) q = body.X_WB.q * it.X_BE.q;
+        add(*model, it.body, body.X_WB, f * (q * it.force), m.x, f * (q * it.torque));
         break;
       }
       case ForceModel::Kind::drag: {
         if (it.body == kWorld) break;
         const Vec3 u = m.v - it.wind - wind;
-        add(*model, it.body, state, -(it.linear + it.quadratic * u.norm()) * u, m.x,
-            -it.angular * state.twists[at(it.body)].angular);
+        add(*model, it.body, body.X_WB, -(it.linear + it.quadratic * u.norm()) * u, m.x,
+            -it.angular * body.V_WB.angular);
         break;
       }
       case ForceModel::Kind::buoyancy:
@@ -141,15 +157,16 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
       case ForceModel::Kind::wind:
         break;
       case ForceModel::Kind::spring: {
-        const PointMotion n = motion_of(state, it.other, it.other_point);
-        const Vec3 between = (n.x + ahead * n.v) - (m.x + ahead * m.v);
+        const Motion other = motion_of(*model, state, it.other, ahead);
+        const PointMotion n = point_of(other, it.other_point);
+        const Vec3 between = n.x - m.x;
         const double l = between.norm();
         if (!(l > 1e-9)) break;  // without a direction
         const Vec3 e = between / l;
         double tension = it.stiffness * (l - it.length) + it.damping * e.dot(n.v - m.v);
         if (it.cable) tension = l > it.length ? std::max(tension, 0.0) : 0.0;
-        add(*model, it.body, state, tension * e, m.x, Vec3::Zero());
-        add(*model, it.other, state, -tension * e, n.x, Vec3::Zero());
+        add(*model, it.body, body.X_WB, tension * e, m.x, Vec3::Zero());
+        add(*model, it.other, other.X_WB, -tension * e, n.x, Vec3::Zero());
         break;
       }
     }
@@ -161,8 +178,9 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
                                 }),
                  applied_.end());
   for (const Applied& it : applied_) {
-    const Quat q = it.command.in_body ? state.poses[at(it.body)].q : Quat(1, 0, 0, 0);
-    add(*model, it.body, state, q * it.command.force, state.poses[at(it.body)] * it.command.point,
+    const Pose X_WB = motion_of(*model, state, it.body, ahead).X_WB;
+    const Quat q = it.command.in_body ? X_WB.q : Quat(1, 0, 0, 0);
+    add(*model, it.body, X_WB, q * it.command.force, X_WB * it.command.point,
         q * it.command.torque);
   }
   given_ = !model->forces.empty() || !applied_.empty();

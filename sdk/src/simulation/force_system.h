@@ -34,7 +34,7 @@ class ForceSystem {
  private:
   void buoyancy(const SceneModelPtr& model, std::size_t force, const WorldState& state,
                 double ahead);
-  void add(const SceneModel& model, int body, const WorldState& state, const Vec3& force,
+  void add(const SceneModel& model, int body, const Pose& X_WB, const Vec3& force,
            const Vec3& point, const Vec3& torque);
 
   ElementSignals factors_;

@@ -22,6 +22,9 @@
 
 namespace cogrsim {
 
+/// Shorter steps are lost in the rounding of the time [s].
+inline constexpr double kShortestStep = 1e-9;
+
 struct Simulation::Impl final : FrameSource {
   /// `scene` has the seed and the step of the run.
   Impl(std::shared_ptr<PluginLoader> plugins, std::shared_ptr<const Backend> backend,

@@ -41,9 +41,10 @@ bool same_material(const Material& a, const Material& b) {
   return a.name == b.name && a.base == b.base && a.density == b.density &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
          a.spinning_friction == b.spinning_friction && a.restitution == b.restitution &&
-         a.stiffness == b.stiffness && a.color.r == b.color.r && a.color.g == b.color.g &&
-         a.color.b == b.color.b && a.color.a == b.color.a && a.texture == b.texture &&
-         a.texture_size == b.texture_size;
+         a.friction_combine == b.friction_combine &&
+         a.restitution_combine == b.restitution_combine && a.stiffness == b.stiffness &&
+         a.color.r == b.color.r && a.color.g == b.color.g && a.color.b == b.color.b &&
+         a.color.a == b.color.a && a.texture == b.texture && a.texture_size == b.texture_size;
 }
 
 /// Appends the elements of a fragment to a model and adapts their indices and names.

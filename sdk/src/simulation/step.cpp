@@ -10,15 +10,6 @@
 
 namespace cogrsim {
 
-namespace {
-
-bool covers(const FrameContents& has, const FrameContents& wanted) {
-  return (has.contacts || !wanted.contacts) && (has.joint_reactions || !wanted.joint_reactions) &&
-         (has.accelerations || !wanted.accelerations);
-}
-
-}  // namespace
-
 struct Observation::Slot {
   FrameContents contents;
   Simulation::Observer call;
@@ -48,14 +39,16 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   if (wanted.accelerations && !before.empty() && clock.last_dt() > 0.0) {
     mean_accelerations(before, frame->state.twists, clock.last_dt(), frame->accelerations);
   }
+  // At the start there is no step to take the mean over.
+  frame->contents.accelerations =
+      wanted.accelerations && (!before.empty() || clock.last_dt() == 0.0);
+  frame->contents.contacts = wanted.contacts;
   frame->contacts.clear();
   if (wanted.contacts) host.world().get_contacts(frame->contacts);
   frame->joint_reactions.clear();
-  if (wanted.joint_reactions) {
-    if (auto* reactions = host.world().extension<JointReactions>()) {
-      reactions->get_joint_reactions(frame->joint_reactions);
-    }
-  }
+  auto* reactions = wanted.joint_reactions ? host.world().extension<JointReactions>() : nullptr;
+  frame->contents.joint_reactions = reactions != nullptr;
+  if (reactions) reactions->get_joint_reactions(frame->joint_reactions);
   devices.sensors().copy_readings(frame->readings);
   frame->channels = devices.sensors().channels();
   frame->events = events.events();

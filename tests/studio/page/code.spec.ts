@@ -85,7 +85,7 @@ test("an edit in the text shows in 3D, and one in the forms changes just its lin
   await page.keyboard.type("9");
   await until(page, "scene", (s) => Math.abs(s.bodies.find((b: Json) => b.name === "crate").pose[2] - 0.9) < 1e-9, "the crate is higher");
   await row(page, "crate box").click();
-  await page.getByRole("textbox", { name: "xyz y" }).fill("1");
+  await page.getByRole("textbox", { name: "xyz y" }).fill("100");
   await page.keyboard.press("Enter");
   await expect(page.locator(".cm-content")).toContainText('xyz="0 1 0.9"');
   expect(await text_of(page)).toBe(kScene.replace('xyz="0 0 0.2"', 'xyz="0 1 0.9"'));

@@ -30,13 +30,14 @@ test("an edit is kept when the run is stopped", async () => {
   await until(page, "status", (s) => s.state === "playing" && s.time > 0, "the run plays");
   await row(page, "crate box").click();
   const field = page.getByRole("textbox", { name: "xyz x" });
-  await field.fill("0.25");
+  // shown in the form's one unit, written in the attribute's own
+  await field.fill("25");
   await field.press("Enter");
   await until(page, "document", (d) => d.text.includes('xyz="0.25 0 0.2"'), "the edit stands in the text");
   await page.getByTestId("stop").click();
   await until(page, "status", (s) => s.time === 0 && s.state !== "playing", "the run is at its start");
   expect(await text_of(page)).toBe(kScene.replace('xyz="0 0 0.2"', 'xyz="0.25 0 0.2"'));
-  await expect(field).toHaveValue("0.25");
+  await expect(field).toHaveValue("25");
   const scene = await published(page, "scene");
   expect(scene.bodies.find((b: Json) => b.name === "crate").pose[0]).toBeCloseTo(0.25, 9);
   await keep(page, "edit_survives_stop");

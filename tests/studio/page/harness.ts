@@ -18,12 +18,16 @@ export class StudioServer {
   constructor(
     readonly file: string,
     readonly options: string[],
+    readonly folder = "",
   ) {}
 
   async start(port = 0): Promise<void> {
     const at = port > 0 ? ["--port", String(port)] : [];
-    const child = spawn(program, ["studio", this.file, "--no-open", ...at, ...this.options], {
+    // without a file: a start page, in that folder
+    const file = this.folder === "" ? [this.file] : [];
+    const child = spawn(program, ["studio", ...file, "--no-open", ...at, ...this.options], {
       stdio: ["ignore", "pipe", "pipe"],
+      ...(this.folder === "" ? {} : { cwd: this.folder, env: { ...process.env, XDG_STATE_HOME: join(this.folder, ".state") } }),
     });
     this.process = child;
     child.stderr!.on("data", (text) => (this.said += text));

@@ -38,8 +38,12 @@ struct Collider {
   // At the time of the query.
   Placement X_WS;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< axis-aligned bounds, margin included [m]
-  double margin = 0.0;  ///< speculative margin: how far its surface may move in the step [m]
+  double margin = 0.0;        ///< speculative margin: how far its surface may move in the step [m]
+  Vec3 shift = Vec3::Zero();  ///< of its origin over the rest of the step [m]
+  Vec3 turn = Vec3::Zero();   ///< over the rest of the step [rad]
 
+  /// How far the rest of the step moves its point at `point` (world) [m].
+  Vec3 travel_of(const Vec3& point) const { return shift + turn.cross(point - X_WS.p); }
   bool is_convex() const { return type != ShapeType::plane && !is_concave(); }
   bool is_concave() const { return type == ShapeType::mesh || type == ShapeType::heightmap; }
 };
@@ -51,6 +55,19 @@ std::vector<Collider> make_colliders(const SceneModel& model);
 /// What the shape turns towards `direction` (world, unit): a face, an edge or a corner, in the
 /// world.
 void support_feature(const Collider& collider, const Vec3& direction, Feature& out);
+
+/// Calls use(normal) for the outward normals (world, unit) of the flat faces that may look towards the point
+/// `other` (world).
+template <class Use>
+void for_face_normals(const Collider& c, const Vec3& other, const Use& use) {
+  const Mat3& R = c.X_WS.R;
+  if (c.type == ShapeType::convex_mesh) {
+    for (const Vec3& n : c.hull->normals) use(Vec3(R * n));
+  } else if (c.type == ShapeType::box || c.type == ShapeType::cylinder) {
+    for (int k = c.type == ShapeType::box ? 0 : 2; k < 3; ++k)
+      use(R.col(k).dot(other - c.X_WS.p) > 0.0 ? Vec3(R.col(k)) : Vec3(-R.col(k)));
+  }
+}
 
 /// Outward normal (world, unit) of the flat face that looks most along `direction` (world, unit);
 /// false: the shape has none.

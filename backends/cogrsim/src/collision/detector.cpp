@@ -52,12 +52,15 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
   }
 }
 
-void Detector::set_pose(int body, const Placement& X_WB, double margin) {
+void Detector::set_pose(int body, const Placement& X_WB, double margin, const Vec3& shift,
+                        const Vec3& turn) {
   for (int i = first_[std::size_t(body)]; i < first_[std::size_t(body) + 1]; ++i) {
     Collider& c = colliders_[std::size_t(i)];
     if (c.body < 0) continue;
     c.X_WS = X_WB * c.X_BS;
     c.margin = margin;
+    c.turn = turn;
+    c.shift = shift + turn.cross(c.X_WS.p - X_WB.p);
     if (c.type == ShapeType::plane) continue;
     const bool closed_form = c.is_convex() && c.hull == nullptr;
     Vec3 extent =

@@ -8,7 +8,7 @@
 
 namespace cogrsim::dynamics {
 
-/// Collision detection without memory: the contact points are a function of the poses.
+/// Collision detection without memory: the contact points are a function of poses and velocities.
 class Detector {
  public:
   explicit Detector(const SceneModel& model);
@@ -17,7 +17,9 @@ class Detector {
   const std::vector<Collider>& colliders() const { return colliders_; }
 
   /// Moves a body's shapes. `margin`: speculative, how far its surface may move in the step [m].
-  void set_pose(int body, const Placement& X_WB, double margin);
+  /// `shift` of its origin [m] and `turn` [rad]: what the rest of the step will about add.
+  void set_pose(int body, const Placement& X_WB, double margin, const Vec3& shift = Vec3::Zero(),
+                const Vec3& turn = Vec3::Zero());
   /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
   double bounding_radius(int body) const { return bounding_radii_[std::size_t(body)]; }
 

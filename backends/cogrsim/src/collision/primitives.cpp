@@ -67,6 +67,41 @@ void turn_flush(const Collider& a, const Collider& b, Separation& s) {
   if (face_normal(a, found, of_face) && found.dot(of_face) > most + 1e-10) s.normal = of_face;
 }
 
+// How much the gap along `n`, from a to b, will have grown by the end of the step [m].
+double growth_of_gap(const Collider& a, const Collider& b, const Vec3& n) {
+  const Vec3 at = a.bounding_radius < b.bounding_radius
+                      ? Vec3(a.X_WS.p + support_extent(a, n) * n)
+                      : Vec3(b.X_WS.p - support_extent(b, -n) * n);
+  return n.dot(b.travel_of(at) - a.travel_of(at));
+}
+
+// Convex shapes touch where the last of the gaps along all axes closes. One that slides over a face
+// comes upon the side of the next: that gap is open and about to close, but the one along the face,
+// which has long been closed, would still hardly overlap by then. Contact is along the axis on which they overlap
+// least at the end of the step; what overlaps by more than kFlush before is no longer flush.
+Separation flush_separation(const Collider& a, const Collider& b, double margin,
+                            const Separation& found) {
+  constexpr double kFlush = 1e-4;  // faces of which one stands out by less are one [m]
+  if (found.gap < -kFlush) return found;
+  double most = found.gap + growth_of_gap(a, b, found.normal);
+  if (most >= 0.0) return found;
+  Separation best = found;
+  const auto consider = [&](const Vec3& n) {
+    const double gap = n.dot(b.X_WS.p - a.X_WS.p) - support_extent(a, n) - support_extent(b, -n);
+    if (gap < -kFlush) return;
+    const double end = gap + growth_of_gap(a, b, n);
+    if (end <= most) return;
+    most = end;
+    best = Separation();
+    best.found = gap <= margin;
+    best.normal = n;
+    best.gap = gap;
+  };
+  for_face_normals(a, b.X_WS.p, consider);
+  for_face_normals(b, a.X_WS.p, [&](const Vec3& n) { consider(-n); });
+  return best;
+}
+
 }  // namespace
 
 void plane_contacts(const Collider& plane, const Collider& c, double margin,
@@ -119,11 +154,17 @@ void convex_contacts(const Collider& a, const Collider& b, double margin,
     if (s.found) turn_flush(a, b, s);
   }
   if (!s.found) return;
-  Feature on_a, on_b;
-  support_feature(a, s.normal, on_a);
-  support_feature(b, -s.normal, on_b);
   const std::size_t first = out.size();
-  face_contacts(on_a, on_b, s, margin, out);
+  const auto add = [&](const Separation& separation) {
+    Feature on_a, on_b;
+    support_feature(a, separation.normal, on_a);
+    support_feature(b, -separation.normal, on_b);
+    face_contacts(on_a, on_b, separation, margin, out);
+  };
+  const Separation flush = flush_separation(a, b, margin, s);
+  if (flush.found) add(flush);
+  // What touches already is not passed over.
+  if (out.size() == first && s.gap <= 0.0) add(s);
   reduce_points(out, first);
 }
 

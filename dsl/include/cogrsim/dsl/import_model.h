@@ -29,12 +29,16 @@ struct ImportEntry : SourcePosition {
   Fidelity fidelity = Fidelity::exact;
   std::string element;  ///< "joint 'elbow'"
   std::string message;  ///< empty where there is nothing to add
+  /// Whether it may change how the model moves; false: sensors, looks, what other programs use.
+  bool moves = true;
 };
 
 /// What became of every element of a conversion.
 struct FidelityReport {
   std::vector<ImportEntry> entries;  ///< in the order of the source
   COGRSIM_API std::size_t count(Fidelity fidelity) const;
+  /// What changes the motion first, then what is left out, then what is approximate.
+  COGRSIM_API std::vector<const ImportEntry*> by_weight() const;
 };
 
 /// Motors that an imported joint gets where the source names none.
@@ -84,6 +88,9 @@ struct ImportOptions {
   /// Called with the name of each mesh before it is decomposed, which may take seconds.
   std::function<void(const std::string&)> decomposing;
   Limits limits;
+  /// Not owned: the work that may still be done for the scene that imports the model. nullptr: the
+  /// model has all that a scene may take for itself.
+  std::size_t* work = nullptr;
 };
 
 /// A file that belongs beside the scene.
@@ -97,7 +104,7 @@ struct ImportResult : FidelityReport {
   std::string scene;                    ///< XML; empty: nothing could be made, see diagnostics
   std::vector<ImportedFile> files;      ///< to be written beside the scene
   std::vector<Diagnostic> diagnostics;  ///< errors of the source, with their position
-  std::vector<std::string> files_read;  ///< canonical paths, without meshes
+  std::vector<std::string> files_read;  ///< canonical paths of the model and of all that it names
 };
 
 /// Whether a text is of a format that import_model() reads, by its root element.
@@ -108,8 +115,9 @@ COGRSIM_API bool is_foreign_model(std::string_view text);
 /// writes nothing. The format follows from the root element.
 COGRSIM_API ImportResult import_model(const std::string& path, const ImportOptions& options = {});
 
-/// Writes the files of a conversion below `folder`. A file that has these bytes already stays. Errors: a
-/// name leads out of the folder, also by a link; those of write_output_file().
+/// Writes the files of a conversion below `folder`: none where one of them cannot be written. A file that
+/// has these bytes already stays. Errors: a name leads out of the folder, also by a link; those of
+/// write_output_file().
 COGRSIM_API Result<> write_beside(const std::string& folder, const std::vector<ImportedFile>& files,
                                   const OutputRules& rules);
 

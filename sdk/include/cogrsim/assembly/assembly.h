@@ -2,6 +2,7 @@
 // as a robot, a table or a door.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,11 @@ class COGRSIM_API MotorHandle {
   /// The smaller of the limits of the motor and its joint: [rad/s] or [m/s], and [N m] or [N].
   double max_speed() const;
   double max_effort() const;
+  /// Largest voltage of mode dc [V]; infinity: no limit.
+  double max_voltage() const;
+  /// Limits of the driven joint axis [rad] or [m]; -infinity and infinity: none.
+  double lower() const;
+  double upper() const;
   /// Whether the handle refers to a motor.
   bool valid() const { return access_ != nullptr; }
 
@@ -55,6 +61,8 @@ class COGRSIM_API SensorHandle {
   /// False before the first reading, while the sensor is switched off, and if the reading dropped
   /// out.
   bool valid() const;
+  /// Type of the sensor ("encoder"), or the name of its plugin; "" for a handle of no sensor.
+  const std::string& type() const;
   /// Time of the measured frame [s].
   double time() const;
   /// Number of readings so far; it changes with every new reading.
@@ -211,6 +219,12 @@ class COGRSIM_API Assembly {
   /// end of the last step. They allow feedback control without an encoder in the scene.
   double joint_position(const MotorHandle& motor) const;
   double joint_velocity(const MotorHandle& motor) const;
+
+  /// Seed of the run, and name of the backend that it is on.
+  std::uint64_t seed() const;
+  const std::string& backend() const;
+  /// Parameters of the scene that were set when it was compiled (`--set`), as texts by name.
+  const std::map<std::string, std::string>& set_parameters() const;
 
   /// Folder of the scene file, for data files; "" if a program created the scene.
   std::string scene_folder() const;

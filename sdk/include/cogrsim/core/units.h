@@ -70,6 +70,9 @@ struct Unit {
 };
 /// Parses a unit such as "kg/m^3", "N*m", "deg" or "1/s"; nullopt if the text is not a unit.
 COGRSIM_API std::optional<Unit> parse_unit(std::string_view text);
+/// Unit of the product (`sign` '*') or quotient ('/') of quantities in the units `a` and `b` ("1":
+/// none, "": unknown): the usual one of its dimension ("m/s" times "s" is "m"), or one made of both ("N*s").
+COGRSIM_API std::string combined_unit(const std::string& a, char sign, const std::string& b);
 /// The known unit most similar to a misspelt one, or "" if none is similar.
 COGRSIM_API std::string nearest_unit(std::string_view text);
 

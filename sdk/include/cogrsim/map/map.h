@@ -41,7 +41,8 @@ struct MapOptions {
   bool grid = true;
   std::vector<MapTrail> trails;  ///< dashed
   std::vector<MapGhost> ghosts;
-  std::vector<SensorRay> rays;  ///< red
+  /// Lines; those of a lidar are one pale fan at its height, under the shapes that are higher.
+  std::vector<SensorRay> rays;
 };
 
 /// The area that contains all bodies of the frame (except planes) and the trails, with a margin of

@@ -188,6 +188,9 @@ struct Motor {
   /// Target at time 0: a speed, effort, position or voltage [V], depending on `mode`. Empty: 0; in
   /// the position and servo modes the initial position of the joint.
   std::optional<double> target;
+  /// Targets beyond these are taken as these; in its unit.
+  double min_target = -std::numeric_limits<double>::infinity();
+  double max_target = std::numeric_limits<double>::infinity();
   /// A signal (cogrsim/signals/signal.h) that gives the target in every step, until a command or a
   /// controller sets the target; empty: none.
   std::string target_signal;
@@ -516,6 +519,8 @@ struct DrawnValue {
 struct SceneModel {
   std::string name;
   std::vector<std::string> files;  ///< source files; [0] is the scene. See SourceSpan::file
+  /// Parameters of the scene that were set when it was compiled (`--set`), as texts by name.
+  std::map<std::string, std::string> set_parameters;
   PhysicsSettings physics;
   std::vector<Material> materials;  ///< [0] is the default
   std::vector<MaterialPair> material_pairs;
@@ -576,8 +581,9 @@ class COGRSIM_API CollisionFilter {
 };
 
 /// Contact properties of two touching materials, the same on every backend: those of the material
-/// pair (`<contact between>`) if the scene defines them; otherwise the friction is sqrt(a*b), the
-/// restitution, rolling and spinning friction max(a, b), and the stiffness that of the two
+/// pair (`<contact between>`) if the scene defines them; otherwise friction and restitution follow the
+/// rule of the materials, the later one of CombineRule where they differ, and without one sqrt(a*b)
+/// and max(a, b). Rolling and spinning friction are max(a, b), and the stiffness is that of the two
 /// stiffnesses in series.
 struct SurfacePair {
   double friction = 0.5;
@@ -585,6 +591,8 @@ struct SurfacePair {
   double restitution = 0.0;
   std::optional<double> stiffness;  ///< [N/m]; empty: neither material defines one
 };
+/// One coefficient of two, by a rule that is not `usual`.
+COGRSIM_API double combine(CombineRule rule, double a, double b);
 COGRSIM_API SurfacePair surface_pair(const SceneModel& model, int material_a, int material_b);
 
 /// Indices of the bodies of an assembly and of all assemblies inside it, in model order, without

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cogrsim/core/diagnostic.h"
@@ -11,6 +12,20 @@
 #include "cogrsim/core/types.h"
 
 namespace cogrsim {
+
+/// How one coefficient of a pair of materials is made of theirs, a and b. Where the two materials
+/// say different rules, the later one in this list holds; `usual` says none.
+enum class CombineRule {
+  usual,      ///< that of the other material; of both: see surface_pair()
+  geometric,  ///< sqrt(a*b)
+  average,    ///< (a + b)/2
+  min,        ///< the smaller one
+  multiply,   ///< a*b
+  max         ///< the larger one
+};
+/// In the order of CombineRule, as the scene language has them; the first is empty.
+inline constexpr std::string_view kCombineRuleNames[] = {"",    "geometric", "average",
+                                                         "min", "multiply",  "max"};
 
 /// Physical and visual properties of a shape. A shape that overrides one property gets a material
 /// of its own (see `base`), so that a backend needs only one material index per shape.
@@ -23,6 +38,7 @@ struct Material {
   /// tangent plane) and against spinning (about the normal) [m], >= 0.
   double rolling_friction = 0.0, spinning_friction = 0.0;
   double restitution = 0.0;  ///< coefficient of restitution, 0 to 1
+  CombineRule friction_combine = CombineRule::usual, restitution_combine = CombineRule::usual;
   std::optional<double> stiffness;  ///< of a contact point [N/m]; empty: as stiff as possible
   Color color;
   std::string texture;  ///< resolved path of an image that is multiplied by `color`; empty: none

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,11 @@ struct Reading {
   bool valid = false;          ///< false: no measurement yet, switched off, or dropped out
   std::vector<double> values;  ///< in the order and units of Sensor::channels()
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
-  std::vector<Contact> contacts;           ///< of a contact sensor; body_b is the touched body
+  std::vector<Contact> contacts;           ///< of a contact sensor; body_b is the sensing body
   bool enabled = true;                     ///< the sensor is switched on
+  /// Pose X_WS of the sensor in the measured frame, which is older than the frame with this reading;
+  /// empty before the first measurement, and in recordings of version 0.2.0 and older.
+  std::optional<Pose> pose;
 };
 
 /// The kind of element that a name in an event refers to.
@@ -87,14 +91,32 @@ struct Event {
   std::string subject;  ///< dotted name of the affected element; "": none
 };
 
+/// The optional contents that a consumer needs in its frames in addition to the state.
+struct FrameContents {
+  bool contacts = false;
+  bool joint_reactions = false;
+  bool accelerations = false;
+  /// Also the contents that the enabled sensors of the run need, so that readings can be recomputed
+  /// from the frames.
+  bool for_sensors = false;
+};
+/// The union of two requests.
+COGRSIM_API FrameContents operator|(const FrameContents& a, const FrameContents& b);
+
+/// Whether all that is wanted is there. `for_sensors` is not considered.
+COGRSIM_API bool covers(const FrameContents& has, const FrameContents& wanted);
+
 /// The observable state at one time. A published frame is immutable and may be read in any thread.
-/// Optional contents that were not requested are empty, see FrameContents.
+/// Optional contents that were not requested are empty, see `contents`.
 struct Frame {
   SceneModelPtr model;
   std::uint64_t step = 0;  ///< number of steps since the start
   double time = 0.0;       ///< simulated time [s]
   double dt = 0.0;         ///< duration of the last step [s]; 0 at the start
   WorldState state;
+  /// Which of the optional contents this frame has: an empty list of contacts means that there are
+  /// none only with `contents.contacts`.
+  FrameContents contents;
   /// Mean linear acceleration of the origin [m/s^2] and mean angular acceleration [rad/s^2] of
   /// every body over the last step, in world axes (nbody). They are differences of twists, defined
   /// in the same way for all engines.
@@ -109,18 +131,6 @@ struct Frame {
   std::vector<std::vector<double>> supervisor_outputs;  ///< indexed as SceneModel::supervisors
 };
 using FramePtr = std::shared_ptr<const Frame>;
-
-/// The optional contents that a consumer needs in its frames in addition to the state.
-struct FrameContents {
-  bool contacts = false;
-  bool joint_reactions = false;
-  bool accelerations = false;
-  /// Also the contents that the enabled sensors of the run need, so that readings can be recomputed
-  /// from the frames.
-  bool for_sensors = false;
-};
-/// The union of two requests.
-COGRSIM_API FrameContents operator|(const FrameContents& a, const FrameContents& b);
 
 /// Kinetic energy of the bodies, and potential energy of gravity (zero at the world origin) and of
 /// the joint springs [J]. Computed from model and state, not by the engine.

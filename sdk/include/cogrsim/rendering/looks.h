@@ -16,4 +16,8 @@ COGRSIM_API bool has_looks(const Material& material);
 /// index.
 COGRSIM_API Color shown_color(const SceneModel& model, int body, const Shape& shape);
 
+/// The colour (sRGB) of a plane in pictures for people: shown_color(), or where a shape that is
+/// neither plane nor heightmap has nearly the same, a paler or darker one that none has.
+COGRSIM_API Color floor_color(const SceneModel& model, int body, const Shape& plane);
+
 }  // namespace cogrsim

@@ -76,6 +76,9 @@ struct RenderRequest {
   bool segmentation = false;
   bool shadows = true;
   int samples = 4;  ///< samples per pixel for anti-aliasing of the colour: 1 (none), 2, 4 or 8
+  /// A picture for people, not what a camera would see: shapes have dark edges and outlines, floors
+  /// have a grid, are paler than what has the same colour, and fade into the sky where they are far.
+  bool illustrated = false;
   Background background;
   Overlay overlay;
   std::vector<int> hidden_bodies;  ///< sorted indices of bodies that are not drawn

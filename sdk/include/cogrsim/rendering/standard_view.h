@@ -25,6 +25,8 @@ COGRSIM_API std::optional<StandardView> standard_view(const std::string& name);
 /// Bounding box of all visible shapes of the frame except planes, in the world [m]. Without shapes:
 /// from -1 m to 1 m.
 COGRSIM_API geometry::Bounds visible_bounds(const Frame& frame);
+/// The same of one body; empty if it is removed or has no such shape.
+COGRSIM_API geometry::Bounds visible_bounds(const Frame& frame, std::size_t body);
 
 /// A camera in the direction of the view that shows the whole of `bounds` with a margin of 5 %.
 /// `fov` is the horizontal field of view [rad].

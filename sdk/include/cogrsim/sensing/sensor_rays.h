@@ -17,8 +17,9 @@ struct SensorRay {
 };
 
 /// The rays of all enabled infrared and lidar sensors, with the distances of their latest readings
-/// in `frame` (including noise) and the sensor poses of `frame`. A sensor without a reading has no
-/// rays. If any sensor has SensorModel::show set, only the rays of such sensors are returned.
+/// in `frame` (including noise), from where the sensors were when they measured. A sensor without a
+/// reading has no rays. If any sensor has SensorModel::show set, only the rays of such sensors are
+/// returned.
 COGRSIM_API std::vector<SensorRay> sensor_rays(const Frame& frame);
 
 }  // namespace cogrsim

@@ -43,6 +43,9 @@ enum class EpisodeEnd {
 /// "none", "done", "time", "stopped", "fault", "diverged".
 COGRSIM_API const char* to_string(EpisodeEnd end);
 
+/// Of a batch; each world takes some 100 kB and more.
+inline constexpr int kMostWorlds = 100'000;
+
 /// Options of a batch, common to all worlds.
 struct BatchOptions {
   std::string backend;  ///< empty: that of the scene, otherwise "bullet"
@@ -77,7 +80,7 @@ class COGRSIM_API Batch {
   using Table = Eigen::Map<RowMajor>;
   using ConstTable = Eigen::Map<const RowMajor>;
 
-  /// Creates `count` worlds that share one scene. Errors: count < 1; the number of seeds differs
+  /// Creates `count` worlds that share one scene. Errors: count < 1 or > kMostWorlds; the number of seeds differs
   /// from that of the worlds; a motor or signal does not exist (with the most similar existing
   /// name); those of Simulation::create() of the first world that fails, which is named.
   static tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> create(

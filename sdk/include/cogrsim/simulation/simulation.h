@@ -29,7 +29,7 @@ namespace cogrsim {
 /// Options of a run.
 struct SimulationOptions {
   std::string backend;                ///< empty: that of the scene, otherwise "bullet"
-  double step = 0.0;                  ///< time step [s]; 0: that of the scene
+  double step = 0.0;                  ///< time step [s], from 1e-9; 0: that of the scene
   std::optional<std::uint64_t> seed;  ///< empty: that of the scene
   double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
   Isolation isolation = Isolation::none;  ///< of controllers whose isolation is not set

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/core/units.h"
 #include "cogrsim/plugin/crash_report.h"
 #include "control/hosted_controller.h"
@@ -82,7 +83,8 @@ class IsolatedController final : public HostedController {
     out.put(HostCall::end);
     // The simulation can no longer report messages, so the error goes to the terminal.
     if (auto failure = exchange(patience())) {
-      std::fprintf(stderr, "%s %s while it was destroyed\n", who_.c_str(), failure->what.c_str());
+      std::fprintf(stderr, "%s %s while it was destroyed\n", one_line(who_).c_str(),
+                   paragraph(failure->what).c_str());
     }
   }
 
@@ -105,7 +107,8 @@ class IsolatedController final : public HostedController {
     if (refused) return HostFailure{HostFailure::Kind::refused, *refused};
     if (!proxy_.take_effects(in)) return damaged();
     if (debugging()) {
-      std::fprintf(stderr, "%s runs in process %lld\n", who_.c_str(), static_cast<long long>(pid));
+      std::fprintf(stderr, "%s runs in process %lld\n", one_line(who_).c_str(),
+                   static_cast<long long>(pid));
     }
     return failure_of(std::move(thrown));
   }

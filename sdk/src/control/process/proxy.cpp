@@ -89,6 +89,7 @@ const std::string& SceneForControllers::of(const SceneModelPtr& now,
   SceneModel scene;
   scene.name = now->name;
   scene.files = now->files;
+  scene.set_parameters = at_start->set_parameters;
   scene.physics = now->physics;
   scene.physics.seed = at_start->physics.seed;
   scene.assemblies = now->assemblies;

@@ -42,6 +42,9 @@ void append_vector(std::vector<double>& out, const Vec3& v) {
   out.insert(out.end(), {v.x(), v.y(), v.z()});
 }
 Vec3 vec3_at(const std::vector<double>& in, std::size_t i) { return {in[i], in[i + 1], in[i + 2]}; }
+Pose pose_at(const std::vector<double>& in, std::size_t i) {
+  return {vec3_at(in, i), Quat(in[i + 3], in[i + 4], in[i + 5], in[i + 6])};
+}
 
 constexpr std::uint32_t kNamedField = 16;  // number of the first named value's field
 
@@ -177,8 +180,7 @@ Result<FrameRecord> take_frame(std::string_view bytes) {
         if (numbers.size() % 7 != 0) throw protozero::invalid_length_exception();
         frame.state.poses.resize(numbers.size() / 7);
         for (std::size_t i = 0; i < frame.state.poses.size(); ++i) {
-          const double* q = &numbers[7 * i + 3];
-          frame.state.poses[i] = Pose(vec3_at(numbers, 7 * i), Quat(q[0], q[1], q[2], q[3]));
+          frame.state.poses[i] = pose_at(numbers, 7 * i);
         }
         break;
       }
@@ -477,7 +479,7 @@ struct FieldSpec {
   bool repeated = false;
 };
 
-// Fields 1 to 13 of every reading.
+// Fields 1 to 14 of every reading.
 constexpr FieldSpec kCommonFields[] = {{"time", kDouble},
                                        {"sequence", kUint64},
                                        {"valid", kBool},
@@ -490,7 +492,8 @@ constexpr FieldSpec kCommonFields[] = {{"time", kDouble},
                                        {"contact_bodies", kSint32, true},
                                        {"contacts", kDouble, true},
                                        {"value_count", kUint32},
-                                       {"values", kDouble, true}};
+                                       {"values", kDouble, true},
+                                       {"pose", kDouble, true}};
 
 void put_field(pbf_writer& message, const std::string& name, std::uint32_t number, FieldType type,
                bool repeated) {
@@ -559,6 +562,10 @@ void put_reading(std::string& bytes, const Reading& reading, const PictureLocati
   std::vector<double> scratch;
   put_contacts(out, 10, 11, reading.contacts, scratch);
   out.add_uint32(12, static_cast<std::uint32_t>(reading.values.size()));
+  if (reading.pose) {
+    const auto& [p, q] = *reading.pose;
+    put_doubles(out, 14, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+  }
   if (!named) {
     put_doubles(out, 13, reading.values);
     return;
@@ -618,6 +625,12 @@ Result<ReadingRecord> take_reading(std::string_view bytes) {
       case 13:
         reading.values = take_doubles(in);
         break;
+      case 14: {
+        const std::vector<double> numbers = take_doubles(in);
+        if (numbers.size() != 7) throw protozero::invalid_length_exception();
+        reading.pose = pose_at(numbers, 0);
+        break;
+      }
       default:
         if (in.tag() < kNamedField) {
           in.skip();

@@ -22,6 +22,11 @@ tl::unexpected<std::vector<Diagnostic>> refuse(const std::string& message,
   return tl::unexpected(std::vector<Diagnostic>{std::move(d)});
 }
 
+tl::unexpected<std::vector<Diagnostic>> too_many(std::size_t worlds) {
+  return refuse("at most " + std::to_string(kMostWorlds) + " worlds are made, not " +
+                std::to_string(worlds));
+}
+
 }  // namespace
 
 const char* to_string(EpisodeEnd end) {
@@ -71,6 +76,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
     SceneModelPtr scene, int count, const BatchOptions& options,
     std::shared_ptr<PluginLoader> loader) {
   if (count < 1) return refuse("at least one world is needed, not " + std::to_string(count));
+  if (count > kMostWorlds) return too_many(static_cast<std::size_t>(count));
   return create(std::vector<SceneModelPtr>(static_cast<std::size_t>(count), scene), options,
                 std::move(loader));
 }
@@ -80,6 +86,7 @@ tl::expected<std::unique_ptr<Batch>, std::vector<Diagnostic>> Batch::create(
     std::shared_ptr<PluginLoader> loader) {
   const std::size_t count = scenes.size();
   if (count == 0) return refuse("at least one world is needed");
+  if (count > kMostWorlds) return too_many(count);
   if (std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return !scene; })) {
     return refuse("a world has no scene", "see the diagnostics of its compilation");
   }

@@ -103,17 +103,19 @@ void put_devices(const Simulation::Impl& from, const WorldState& state, Json& co
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     if (model.sensors[i].removed) continue;
     const SensorMemory& memory = devices.sensors[i];
-    sensors[model.sensors[i].name] = {{"type", model.sensors[i].type},
-                                      {"rate", model.sensors[i].rate},
-                                      {"ticks", memory.timer.next()},
-                                      {"enabled", memory.enabled},
-                                      {"complained", memory.complained},
-                                      {"random", memory.random},
-                                      {"walk", numbers(memory.walk)},
-                                      {"time", number(memory.reading.time)},
-                                      {"sequence", memory.reading.sequence},
-                                      {"valid", memory.reading.valid},
-                                      {"values", numbers(memory.reading.values)}};
+    sensors[model.sensors[i].name] = {
+        {"type", model.sensors[i].type},
+        {"rate", model.sensors[i].rate},
+        {"ticks", memory.timer.next()},
+        {"enabled", memory.enabled},
+        {"complained", memory.complained},
+        {"random", memory.random},
+        {"walk", numbers(memory.walk)},
+        {"time", number(memory.reading.time)},
+        {"sequence", memory.reading.sequence},
+        {"valid", memory.reading.valid},
+        {"pose", memory.reading.pose ? pose(*memory.reading.pose) : Json()},
+        {"values", numbers(memory.reading.values)}};
   }
   content["motors"] = std::move(motors);
   content["sensors"] = std::move(sensors);

@@ -214,6 +214,8 @@ class Resumption {
       memory.reading.values = values;
       memory.reading.time = number_from(saved.at("time"));
       memory.reading.valid = saved.at("valid").get<bool>();
+      const Json& pose = saved.value("pose", Json());  // not in older snapshots
+      if (!pose.is_null()) memory.reading.pose = pose_from(pose);
     }
     to_.devices.restore(devices);
     note_elements("restarts, because the snapshot does not have it: sensor",

@@ -4,59 +4,9 @@ import { kJoints } from "../forms/schema";
 import { groupElements } from "../tree/commands";
 import { TreeState } from "../tree/tree_state";
 import { insertDialog } from "./dialog";
+import { kInsertGroups } from "./groups";
 import { insertOp, insertPlan, unassembledRobot } from "./plan";
-
-/** In the order of the menu; the elements for beginners come first. */
-const kOffered: [string, string][] = [
-  ["box", "Box"],
-  ["sphere", "Sphere"],
-  ["cylinder", "Cylinder"],
-  ["capsule", "Capsule"],
-  ["ellipsoid", "Ellipsoid"],
-  ["cone", "Cone"],
-  ["prism", "Prism"],
-  ["plane", "Plane"],
-  ["mesh", "Mesh"],
-  ["heightmap", "Height field"],
-  ["body", "Body"],
-  ["assembly", "Assembly"],
-  ["hinge", "Hinge"],
-  ["slider", "Slider"],
-  ["ball", "Ball joint"],
-  ["universal", "Universal joint"],
-  ["gimbal", "Gimbal"],
-  ["fixed", "Fixed joint"],
-  ["cylindrical", "Cylindrical joint"],
-  ["planar", "Planar joint"],
-  ["screw", "Screw"],
-  ["free", "Free joint"],
-  ["motor", "Motor"],
-  ["servo", "Servo"],
-  ["couple", "Coupling of joints"],
-  ["force", "Force"],
-  ["spring", "Spring"],
-  ["drag", "Drag"],
-  ["buoyancy", "Buoyancy"],
-  ["wind", "Wind"],
-  ["randomize", "Random values"],
-  ["camera", "Camera"],
-  ["infrared", "Infrared sensor"],
-  ["lidar", "Lidar"],
-  ["contact", "Contact sensor"],
-  ["imu", "IMU"],
-  ["pose", "Pose sensor"],
-  ["encoder", "Encoder"],
-  ["force-torque", "Force and torque sensor"],
-  ["sensor", "Sensor plugin"],
-  ["controller", "Controller"],
-  ["supervisor", "Supervisor"],
-  ["light", "Light"],
-  ["view", "View"],
-  ["material", "Material"],
-  ["collide", "Collision rule"],
-  ["frame", "Frame"],
-  ["region", "Region"],
-];
+import { insertWheels } from "./wheels";
 
 /** Every element that may stand where the selection is, or around it, in the order of the menu. */
 export function insertable(studio: Studio): string[] {
@@ -69,7 +19,7 @@ export function insertable(studio: Studio): string[] {
     for (const tag of schema.childrenOf(elements, at)) allowed.add(tag);
     if (at === 0) break;
   }
-  const order = kOffered.map(([tag]) => tag);
+  const order = kInsertGroups.flatMap((group) => group.of.map(([tag]) => tag));
   return [...order.filter((t) => allowed.has(t)), ...[...allowed].filter((t) => !order.includes(t))];
 }
 
@@ -80,6 +30,7 @@ export async function insert(studio: Studio, tag: string, ask: boolean): Promise
     studio.notify("the vocabulary is still loading: try again shortly");
     return;
   }
+  if (tag === "wheels") return insertWheels(studio);
   let plan = insertPlan(studio.state, schema, tag);
   if (tag === "controller" && plan.parent === 0) {
     const robot = unassembledRobot(studio.state.tree.peek().elements);
@@ -114,7 +65,13 @@ export function registerInsertCommands(studio: Studio): void {
       execute: (args) => insert(studio, tag, args.ask !== false),
     });
   };
-  for (const [tag, label] of kOffered) add(tag, label);
+  commands.addCommand("insert:wheels", {
+    label: "Wheels and caster",
+    caption: "Puts the selected body on two driven wheels, with hinges and motors, and a caster",
+    isEnabled: () => state.mayEdit.value,
+    execute: () => insertWheels(studio),
+  });
+  for (const { of } of kInsertGroups) for (const [tag, label] of of) add(tag, label);
   // What else the schema has is offered as well, after these.
   studio.services.get(TreeState).schema.subscribe((schema) => {
     const inside = new Set(schema?.elements.flatMap((e) => e.children) ?? []);
@@ -124,7 +81,7 @@ export function registerInsertCommands(studio: Studio): void {
 
 /** What stands in the tool bar. */
 export const kTools: { title: string; tags: string[] }[] = [
-  { title: "Bodies", tags: ["box", "sphere", "cylinder"] },
+  { title: "Bodies", tags: ["box", "sphere", "cylinder", "wheels"] },
   { title: "Joints", tags: kJoints.slice(0, 2) },
   { title: "Devices", tags: ["motor", "camera", "infrared", "light", "controller"] },
 ];

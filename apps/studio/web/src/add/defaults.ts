@@ -1,6 +1,7 @@
 // What new elements begin with.
 import type { TreeElement, Vec3 } from "../core/protocol";
 import { kBodies, kJoints, kShapes, type Schema } from "../forms/schema";
+import { restHeight } from "./rest";
 
 /** Radius [m] of a ball around an element with the defaults below, to find a free position. */
 export const kRadius: Record<string, number> = {
@@ -46,17 +47,6 @@ const kDefaults: Record<string, Record<string, string>> = {
   supervisor: { rate: "10 Hz" },
 };
 
-/** Colours that differ from each other and from the ground; readable on light and dark. */
-const kColors = ["#d9863b", "#4a8fc7", "#6aa84f", "#c25b56", "#8d6fb8", "#c4ad45"];
-const kColored = ["box", "sphere", "cylinder", "capsule", "ellipsoid", "cone", "prism"];
-
-/** The color of a new thing, another one than that of the last. */
-export function colorFor(tag: string, elements: readonly TreeElement[]): Record<string, string> {
-  if (!kColored.includes(tag)) return {};
-  const last = elements.filter((e) => kColored.includes(e.tag)).pop()?.attributes.color ?? "";
-  return { color: kColors[(kColors.indexOf(last) + 1) % kColors.length]! };
-}
-
 /** Attributes that the form of a new element shows first, beside the required ones. */
 const kFirst: Record<string, string[]> = {
   joint: ["parent", "child", "axis", "lower", "upper", "xyz"],
@@ -83,8 +73,10 @@ export function firstAttributes(schema: Schema, tag: string): string[] {
   return ["name", ...must, ...usual].filter((n, i, all) => all.indexOf(n) === i && known.some((a) => a.name === n));
 }
 
-/** Lowest height [m] of a new thing's origin: high enough to be seen falling onto the ground. */
-export const kHeight = 0.5;
+/** Height [m] of a new thing's origin above the floor on which it stands. */
+export function heightOf(tag: string): number {
+  return restHeight(tag, kDefaults[tag] ?? {}) ?? (kShapes.includes(tag) ? (kRadius[tag] ?? 0) : 0);
+}
 
 /** Attributes of a new element, without names of others. `position`: in the frame of its parent. */
 export function defaultAttributes(tag: string, position: Vec3 | null): Record<string, string> {

@@ -5,6 +5,7 @@ import type { JSX } from "preact";
 import type { Studio } from "../core/studio";
 import { applyOps } from "../forms/apply";
 import { Field } from "../forms/field";
+import { lengthUnit } from "../forms/number_model";
 import type { Schema } from "../forms/schema";
 import { labelOf } from "../tree/model";
 import { firstAttributes } from "./defaults";
@@ -30,6 +31,12 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
   const first = firstAttributes(schema, plan.tag);
   const plugin = schema.plugin(plan.tag, values.plugin ?? "");
   const parents = possibleParents(schema, elements, plan.tag);
+  const [unit, setUnit] = useState("");
+  const length = {
+    length: unit || lengthUnit(known.map((spec) => ({ spec, text: values[spec.name] ?? "" }))),
+    chooseLength: setUnit,
+  };
+  const ofPlugin = plugin?.parameters.map((spec) => ({ spec, text: parameters[spec.name] ?? "" })) ?? [];
   const field = (name: string) => {
     const spec = known.find((a) => a.name === name);
     if (!spec) return null;
@@ -41,6 +48,7 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
         key={name}
         spec={chooses ? { ...spec, kind: "choice", choices, default: name === "parent" ? "the world" : "" } : spec}
         text={values[name] ?? ""}
+        {...length}
         choices={chooses ? undefined : choices}
         commit={(text) => setValues((old) => ({ ...old, [name]: text ?? "" }))}
       />
@@ -96,6 +104,8 @@ function InsertForm({ studio, schema, plan, insert, cancel }: FormProps): JSX.El
                 key={`${plugin.name}.${spec.name}`}
                 spec={spec}
                 text={parameters[spec.name] ?? ""}
+                length={unit || lengthUnit(ofPlugin)}
+                chooseLength={setUnit}
                 commit={(text) => setParameters((old) => ({ ...old, [spec.name]: text ?? "" }))}
               />
             ))}

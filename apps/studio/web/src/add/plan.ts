@@ -12,8 +12,9 @@ import {
 } from "../forms/schema";
 import { printElement } from "../forms/xml_text";
 import { inverse, transform } from "../view3d/pose";
-import { colorFor, defaultAttributes, effortFor, jointEnds, kHeight, kRadius } from "./defaults";
+import { defaultAttributes, effortFor, heightOf, jointEnds, kRadius } from "./defaults";
 import { frontPosition, newPosition } from "./positions";
+import { floorHeight } from "./rest";
 
 export interface InsertPlan {
   tag: string;
@@ -61,11 +62,12 @@ function bodyOf(elements: readonly TreeElement[], selected: number): TreeElement
 /** A position for it, in the frame of its parent. */
 function positionIn(state: State, parent: number, tag: string): Vec3 {
   const radius = kRadius[tag] ?? 0.2;
-  const world = newPosition(state, radius, Math.max(kHeight, radius));
+  const scene = state.scene.peek();
+  const world = newPosition(state, radius, floorHeight(scene) + heightOf(tag));
   const { elements } = state.tree.peek();
   for (let at = parent; at > 0; at = elements[at]?.parent ?? -1) {
-    const assembly = state.scene.peek()?.assemblies.find((a) => a.element === at);
-    const body = state.scene.peek()?.bodies.find((b) => b.element === at);
+    const assembly = scene?.assemblies.find((a) => a.element === at);
+    const body = scene?.bodies.find((b) => b.element === at);
     const pose = assembly?.pose ?? body?.pose;
     // Parts of one body may touch: it is put where the others are, one step up.
     if (body && elements[at]?.tag === "body") return [0, 0, 0];
@@ -151,7 +153,7 @@ export function insertPlan(state: State, schema: Schema, tag: string): InsertPla
   }
   const needsPosition = !("on" in attributes) && schema.attribute(tag, "xyz") && !kJoints.includes(tag);
   const position = needsPosition ? positionIn(state, parent, tag) : null;
-  const all = { ...defaultAttributes(tag, position), ...colorFor(tag, elements), ...attributes };
+  const all = { ...defaultAttributes(tag, position), ...attributes };
   const known = schema.element(tag, all)?.attributes ?? [];
   for (const name of Object.keys(all)) if (!known.some((a) => a.name === name)) delete all[name];
   const missing = known.filter((a) => a.required && (all[a.name] ?? "") === "").map((a) => a.name);

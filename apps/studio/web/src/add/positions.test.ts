@@ -3,7 +3,6 @@ import { test } from "node:test";
 import type { SceneBody, TreeElement } from "../core/protocol";
 import { State } from "../core/state";
 import { Schema } from "../forms/schema";
-import { colorFor } from "./defaults";
 import { freePosition, frontPosition } from "./positions";
 import { commonParent, insertOp, insertPlan, unassembledRobot, parentFor } from "./plan";
 
@@ -67,9 +66,9 @@ test("new elements go into the selected group, or beside the selection", () => {
   assert.equal(commonParent(elements, 2, 5), 0);
 });
 
-test("a box has a size and stands above the ground", () => {
+test("a box has a size and stands on the ground", () => {
   const { attributes, missing } = plan("box", []);
-  assert.deepEqual(attributes, { name: "box", size: "20 20 20 cm", xyz: "0 0 0.5" });
+  assert.deepEqual(attributes, { name: "box", size: "20 20 20 cm", xyz: "0 0 0.1" });
   assert.deepEqual(missing, []);
 });
 
@@ -142,13 +141,6 @@ test("sensors stand at the front of their body, one beside the other", () => {
   assert.deepEqual(frontPosition(lying as unknown as SceneBody, 0, false), [0.05, 0.1, 0]);
   const ground = { shapes: [{ type: "plane", pose: [0, 0, 0, 1, 0, 0, 0], size: [4, 4] }] };
   assert.equal(frontPosition(ground as unknown as SceneBody, 0, false), null);
-});
-
-test("a new element has another color than the previous one", () => {
-  const first = colorFor("box", elements).color;
-  const box = { ...elements[2]!, tag: "box", attributes: { color: first! } };
-  assert.notEqual(colorFor("sphere", [box]).color, first);
-  assert.deepEqual(colorFor("hinge", elements), {});
 });
 
 test("a sensor sits on the selected body", () => {

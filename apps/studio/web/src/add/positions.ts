@@ -1,4 +1,4 @@
-// Positions of new elements: above the ground, beside the selection, outside of existing bodies.
+// Positions of new elements: on the ground, beside the selection, outside of existing bodies.
 import type { Scene, SceneBody, Vec3 } from "../core/protocol";
 import type { State } from "../core/state";
 import { rotate } from "../view3d/pose";
@@ -80,7 +80,7 @@ export function newPosition(state: State, radius: number, height: number): Vec3 
 }
 
 /** Extents [m] of a body's shapes in its own frame: the lowest and the highest corner; null if it has none, or no end. */
-function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
+export function extents(body: SceneBody): { low: Vec3; high: Vec3 } | null {
   const low: Vec3 = [Infinity, Infinity, Infinity];
   const high: Vec3 = [-Infinity, -Infinity, -Infinity];
   for (const shape of body.shapes) {

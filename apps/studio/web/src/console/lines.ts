@@ -12,6 +12,8 @@ export interface Line {
   source: string;
   text: string;
   help: string;
+  /** of a problem: "CG0502"; else "" */
+  code: string;
   location: { file: string; line: number; column: number } | null;
 }
 
@@ -33,6 +35,7 @@ export function linesOf(problems: Problem[], messages: RunMessage[], events: Run
     source: m.source,
     text: m.message,
     help: "",
+    code: "",
     location: null,
   }));
   const occurred: Line[] = events.map((e) => ({
@@ -42,6 +45,7 @@ export function linesOf(problems: Problem[], messages: RunMessage[], events: Run
     source: e.source,
     text: e.message || [e.kind, e.subject].filter(Boolean).join(" "),
     help: e.message ? e.kind : "",
+    code: "",
     location: null,
   }));
   const run = [...logged, ...occurred].sort((a, b) => a.time! - b.time!);
@@ -56,6 +60,7 @@ function problemLines(problem: Problem): Line[] {
     source: of.file ? `${of.file}:${of.line}:${of.column}` : problem.code,
     text: of.message,
     help: note ? "" : problem.help,
+    code: note ? "" : problem.code,
     location: of.file && of.line > 0 ? { file: of.file, line: of.line, column: of.column } : null,
   });
   return [line(problem, false), ...problem.notes.map((note) => line(note, true))];

@@ -11,6 +11,8 @@ const kKinds: [Kind, string][] = [
   ["message", "Messages"],
   ["event", "Events"],
 ];
+/** A plugin that is not there. */
+const kNotFound = "CG0901";
 const kSigns = { error: "✖", warning: "▲", note: "●" };
 
 export function showConsole(studio: Studio, node: HTMLElement): void {
@@ -22,6 +24,8 @@ export function showConsole(studio: Studio, node: HTMLElement): void {
     if (line.location) studio.goTo(line.location.file, line.location.line, line.location.column);
     else if (line.time !== null) studio.seek(line.time);
   };
+
+  const mayBuild = () => state.mayEdit.value && (state.hello.value?.allow_build ?? false);
 
   function Tools() {
     return (
@@ -88,8 +92,16 @@ export function showConsole(studio: Studio, node: HTMLElement): void {
               <span class="cg-line-text">
                 {line.text}
                 {line.help && <span class="cg-muted"> ({line.help})</span>}
+                {line.code === kNotFound && state.mayEdit.value && !mayBuild() && (
+                  <span class="cg-muted"> (started with --allow-build, the studio can build it here)</span>
+                )}
               </span>
             </button>
+            {line.code === kNotFound && mayBuild() && (
+              <button class="cg-line-act" onClick={() => void studio.commands.execute("code:build")}>
+                Build the controllers
+              </button>
+            )}
           </li>
         ))}
       </ul>

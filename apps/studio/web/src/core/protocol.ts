@@ -24,6 +24,7 @@ import type {
   SeriesPart,
   SignalInfo,
   SourceFile,
+  StartFile,
   Status,
   Tree,
   Unsaved,
@@ -33,7 +34,7 @@ import type {
 export type * from "./protocol_types";
 
 /** The protocol that this page speaks; `hello` answers the server's. */
-export const kProtocol = 3;
+export const kProtocol = 4;
 
 /** The messages that the server publishes unasked, by topic. */
 export interface Topics {
@@ -59,12 +60,41 @@ export interface Requests {
       role: "operator" | "viewer";
       client: number;
       version: string;
-      kind: "scene" | "recording" | "bundle";
+      kind: "scene" | "recording" | "bundle" | "start";
       file: string;
       allow_build: boolean;
       /** where textures are: `/asset/SECRET/` */
       assets?: string;
       backends: string[];
+    };
+  };
+  /** what can be opened; only while nothing is, with `kind` "start" */
+  start: {
+    fields: {
+      /** below the studio's folder, whose files are listed */
+      folder?: string;
+    };
+    answer: {
+      /** the studio's own, absolute */
+      folder: string;
+      /** absolute */
+      recent: string[];
+      files: StartFile[];
+      examples: string[];
+      robots: string[];
+    };
+  };
+  /** examples are copied into the studio's folder, robots get a scene there, models of other formats are imported into one. Then the file is served: pages load themselves again */
+  "start-open": {
+    fields: {
+      what: "open" | "new" | "example" | "robot" | "import";
+      /** as `start` lists it; of a new scene or a dropped model: a file name */
+      name: string;
+      /** new, import: what the file holds */
+      text?: string;
+    };
+    answer: {
+      file: string;
     };
   };
   /** runs at the present speed; pauses at the scene's duration */

@@ -312,6 +312,13 @@ export interface CameraWish {
   width?: number;
 }
 
+export interface StartFile {
+  /** relative to the studio's folder */
+  name: string;
+  /** model: URDF, SDF or MJCF, by its ending */
+  kind: "folder" | "scene" | "recording" | "model";
+}
+
 export type ShapeType = "box" | "sphere" | "cylinder" | "capsule" | "plane" | "mesh" | "heightmap";
 
 export interface SceneShape {

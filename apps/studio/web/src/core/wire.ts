@@ -47,8 +47,14 @@ export function sameProtocol(protocol: number, reload: () => void, failed: (mess
   return true;
 }
 
-/** `reload`: reloads the page. */
-export function wire(link: Link, state: State, failed: (message: string) => void, reload: () => void = () => {}): void {
+/** `reload`: reloads the page. `nothingOpen`: the studio has a start page so far. */
+export function wire(
+  link: Link,
+  state: State,
+  failed: (message: string) => void,
+  reload: () => void = () => {},
+  nothingOpen: () => void = () => {},
+): void {
   // What the link publishes between a new connection and its answer to hello replaces the whole run.
   let fresh = false;
   link.onOpen((open) => {
@@ -60,6 +66,7 @@ export function wire(link: Link, state: State, failed: (message: string) => void
     link.request("hello").then(
       (hello) => {
         if (!sameProtocol(hello.protocol, reload, failed)) return;
+        if (hello.kind === "start") return nothingOpen();
         batch(() => {
           state.hello.value = hello;
           state.open.value = true;

@@ -1,7 +1,7 @@
 // One attribute as a form field, of the kind in the schema.
 import { useId, useLayoutEffect, useState } from "preact/hooks";
 import type { JSX } from "preact";
-import { boxesOf, textFrom, withUnit } from "./number_model";
+import { boxesOf, inUnitOf, isLength, textFrom, withUnit } from "./number_model";
 import type { AttributeSchema } from "./schema";
 import { helpText } from "./help";
 import { hexColor } from "./values";
@@ -15,6 +15,9 @@ interface FieldProps {
   disabled?: boolean;
   /** the compiler's problems with it */
   problem?: string;
+  /** the unit in which the form shows lengths, and what chooses another for all of it */
+  length?: string;
+  chooseLength?(unit: string): void;
   /** names that a reference may have */
   choices?: string[];
   /** null: removes the attribute. The result comes back as `text`; a promise gives the reason of a refusal, or "". */
@@ -80,10 +83,11 @@ function PlainField(props: PlainProps): JSX.Element {
 
 function NumberField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
-  const shown = boxesOf(spec, text);
+  const shown = boxesOf(spec, text, props.length);
   const [drafts, setDrafts] = useState<string[] | null>(null);
   const [unit, setUnit] = useState<string | null>(null);
   useLayoutEffect(() => setDrafts(null), [text]);
+  useLayoutEffect(() => setUnit(null), [props.length]);
   if (!shown) return <PlainField {...props} />;
   const nowUnit = shown.unit === null ? null : (unit ?? shown.unit);
   const boxes = drafts ?? shown.boxes;
@@ -104,7 +108,8 @@ function NumberField(props: PlainProps): JSX.Element {
     }
     props.report("");
     // A refused text stays for correction; an accepted one comes back as the text.
-    if ((made.text ?? "") !== text && !(mixed && made.text === null)) void props.commit(made.text);
+    const written = made.text === null ? null : inUnitOf(spec, text, made.text);
+    if ((written ?? "") !== text && !(mixed && written === null)) void props.commit(written);
     else setDrafts(null);
   };
   const names =
@@ -155,6 +160,7 @@ function NumberField(props: PlainProps): JSX.Element {
           disabled={props.disabled}
           onChange={(event) => {
             const next = event.currentTarget.value;
+            if (props.chooseLength && isLength(spec)) return props.chooseLength(next);
             setUnit(next);
             const converted = text === "" || drafts ? null : withUnit(spec, text, next);
             if (converted !== null && converted !== text) void props.commit(converted);

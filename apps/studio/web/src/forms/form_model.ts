@@ -29,6 +29,8 @@ const kGroups: [string, string[]][] = [
       "rolling-friction",
       "spinning-friction",
       "restitution",
+      "friction-combine",
+      "restitution-combine",
       "stiffness",
       "com",
       "inertia",

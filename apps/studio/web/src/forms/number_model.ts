@@ -46,8 +46,30 @@ function entryText(entry: Entry | undefined, withUnit: boolean): string {
   return withUnit && entry.unit !== "" && entry.text !== "none" ? `${entry.text} ${entry.unit}` : entry.text;
 }
 
+/** Whether all its numbers are lengths. */
+export function isLength(spec: AttributeSchema): boolean {
+  return spec.units.length > 0 && spec.units.every((unit) => unit === "m");
+}
+
+/** The one unit in which a form shows its lengths, by the size of the thing: of what is not a position, else of that. */
+export function lengthUnit(fields: readonly { spec: AttributeSchema; text: string }[]): string {
+  const largest = (of: readonly { spec: AttributeSchema; text: string }[]): number =>
+    Math.max(
+      0,
+      ...of.flatMap(({ spec, text }) => {
+        const entries = isExpression(text) ? [] : (partsOf(spec, text)?.entries ?? []);
+        return entries.map((entry) => Math.abs(Number(convert(entry, "m", "m")?.text ?? 0)) || 0);
+      }),
+    );
+  const all = fields.filter(({ spec }) => isLength(spec));
+  const own = all.filter(({ spec }) => !kPositions.includes(spec.name));
+  const size = largest(own) || largest(all) || largest(all.map(({ spec }) => ({ spec, text: spec.default })));
+  return size === 0 || size >= 1 ? "m" : size < 0.01 ? "mm" : "cm";
+}
+const kPositions = ["xyz", "at", "look-at", "com"];
+
 /** null: the text is not a list of numbers that boxes could hold (an expression, a long list). */
-export function boxesOf(spec: AttributeSchema, text: string): Boxes | null {
+export function boxesOf(spec: AttributeSchema, text: string, length = ""): Boxes | null {
   if (spec.maxCount > kMostBoxes || isExpression(text)) return null;
   const parts = text === "" ? null : partsOf(spec, text);
   if (text !== "" && !parts) return null;
@@ -55,13 +77,17 @@ export function boxesOf(spec: AttributeSchema, text: string): Boxes | null {
   const count = spec.kind === "range" ? 2 : Math.max(spec.minCount, spec.maxCount, parts?.entries.length ?? 0);
   const separate = ownUnits(spec) || (parts !== null && parts.unit === null);
   const offered = [...new Set(spec.units.flatMap(unitsOf))];
-  const unit = separate ? null : unitFor(spec, parts, shown, offered);
+  const preferred = isLength(spec) && offered.includes(length) ? length : "";
+  const unit = separate ? null : preferred || unitFor(spec, parts, shown, offered);
   const inUnit = (entry: Entry | undefined, i: number): string => {
     if (!entry || unit === null) return entryText(entry, true);
+    if (entry.text === "none") return entry.text;
     return entryText(convert(entry, dimensionOf(spec, i), unit) ?? entry, false);
   };
   return {
-    boxes: Array.from({ length: count }, (_, i) => entryText(parts?.entries[i], separate)),
+    boxes: Array.from({ length: count }, (_, i) =>
+      preferred ? inUnit(parts?.entries[i], i) : entryText(parts?.entries[i], separate),
+    ),
     placeholders: Array.from({ length: count }, (_, i) => inUnit(shown?.entries[i], i)),
     unit,
     units: unit === null ? [] : offered.includes(unit) || offered.length === 0 ? offered : [unit, ...offered],
@@ -134,4 +160,13 @@ export function withUnit(spec: AttributeSchema, text: string, unit: string): str
     entries.push(converted);
   }
   return spec.kind === "range" ? printRange(entries) : printNumbers(entries);
+}
+
+/** A new value in the unit in which the old one is written: the form may show another. */
+export function inUnitOf(spec: AttributeSchema, old: string, text: string): string {
+  const unit = old === "" ? null : boxesOf(spec, old)?.unit;
+  const now = boxesOf(spec, text)?.unit;
+  if (!unit || !isLength(spec) || unit === now) return text;
+  const converted = withUnit(spec, text, unit) ?? text;
+  return unit === "m" ? converted.replaceAll(" m", "") : converted;
 }

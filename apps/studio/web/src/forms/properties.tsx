@@ -4,6 +4,7 @@ import type { JSX } from "preact";
 import type { Op, TreeElement } from "../core/protocol";
 import { kSignalType, type Studio } from "../core/studio";
 import { nameChoices } from "../add/plan";
+import { restOp } from "../add/rest";
 import { Icon } from "../tree/icons";
 import { massLines } from "../tree/mass_view";
 import { labelOf } from "../tree/model";
@@ -12,6 +13,7 @@ import { applyOps } from "./apply";
 import { Field } from "./field";
 import { formGroups, parameterOps, plainAttribute, pluginForm, problemsOf, setEntries, setOps } from "./form_model";
 import { LiveValues } from "./live";
+import { lengthUnit } from "./number_model";
 import type { Schema } from "./schema";
 
 function Mass({ studio, ids }: { studio: Studio; ids: number[] }): JSX.Element | null {
@@ -92,8 +94,16 @@ function ElementForm({
     const outcome = await applyOps(studio, label, ops);
     return "error" in outcome ? outcome.error : "";
   };
-  const set = (name: string, value: string | null) =>
-    apply(`${value === null ? "reset" : "set"} ${name} of ${what}`, setOps(chosen, name, value));
+  const groups = formGroups(schema, chosen);
+  const [unit, setUnit] = useState<{ id: number; unit: string } | null>(null);
+  const length = {
+    length: unit?.id === first.id ? unit.unit : lengthUnit(groups.flatMap((group) => group.fields)),
+    chooseLength: (next: string) => setUnit({ id: first.id, unit: next }),
+  };
+  const set = (name: string, value: string | null) => {
+    const rests = chosen.flatMap((element) => restOp(state, element, name, value) ?? []);
+    return apply(`${value === null ? "reset" : "set"} ${name} of ${what}`, [...setOps(chosen, name, value), ...rests]);
+  };
   return (
     <>
       {one && nameSpec && (
@@ -116,7 +126,7 @@ function ElementForm({
           {p.help && ` (${p.help})`}
         </p>
       ))}
-      {formGroups(schema, chosen).map((group) => {
+      {groups.map((group) => {
         const fields = group.fields.map((f) => {
           const problem = problems?.fields.get(f.spec.name);
           return (
@@ -124,6 +134,7 @@ function ElementForm({
               key={`${first.id} ${f.spec.name}`}
               spec={f.spec}
               text={f.text}
+              {...length}
               mixed={f.mixed}
               disabled={disabled}
               problem={problem && (problem.help ? `${problem.message} (${problem.help})` : problem.message)}
@@ -153,6 +164,8 @@ function ElementForm({
               key={`${one!.id} set ${f.spec.name}`}
               spec={f.spec}
               text={f.text}
+              length={unit?.id === first.id ? unit.unit : lengthUnit(plugin.fields)}
+              chooseLength={length.chooseLength}
               disabled={disabled}
               commit={(value) =>
                 apply(`set ${f.spec.name} of ${what}`, parameterOps(elements, one!.id, f.spec.name, value))

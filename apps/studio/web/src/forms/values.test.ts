@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boxesOf, textFrom, withUnit } from "./number_model";
+import { boxesOf, inUnitOf, lengthUnit, textFrom, withUnit } from "./number_model";
 import { Schema, type AttributeSchema } from "./schema";
 import {
   checkEntry,
@@ -125,4 +125,22 @@ test("colours for the chooser", () => {
 
 test("lists without a given length are text", () => {
   assert.equal(boxesOf(spec({ kind: "numbers", min_count: 1, max_count: 1000 }), "1 2 3"), null);
+});
+
+test("a form has one unit of lengths, by the size of the thing, and writes each attribute in its own", () => {
+  const place = { ...xyz, name: "xyz" };
+  const fields = [
+    { spec: size, text: "24 14 4 cm" },
+    { spec: place, text: "12 0 0.5" },
+  ];
+  assert.equal(lengthUnit(fields), "cm");
+  assert.equal(lengthUnit([{ spec: size, text: "2 1 1" }]), "m");
+  assert.equal(lengthUnit([{ spec: size, text: "2 4 4 mm" }]), "mm");
+  assert.equal(lengthUnit([{ spec: place, text: "0 0 0.1" }]), "cm");
+  assert.deepEqual(boxesOf(xyz, "12 0 0.5", "cm")!.boxes, ["1200", "0", "50"]);
+  assert.equal(boxesOf(xyz, "12 0 0.5", "cm")!.unit, "cm");
+  assert.deepEqual(textFrom(xyz, ["25", "0", "50"], "cm"), { text: "25 0 50 cm" });
+  assert.equal(inUnitOf(xyz, "12 0 0.5", "25 0 50 cm"), "0.25 0 0.5");
+  assert.equal(inUnitOf(size, "24 14 4 cm", "0.3 0.14 0.04"), "30 14 4 cm");
+  assert.equal(inUnitOf(size, "", "30 14 4 cm"), "30 14 4 cm");
 });

@@ -29,6 +29,7 @@ test("in a text field only saving and the palette act, in the scene's editor the
   for (const [name, command] of kKeys) {
     const k = name === "Space" ? " " : name;
     assert.equal(mayFire(command, k, "text"), ["edit:save", "help:palette"].includes(command), command);
+    assert.equal(mayFire(command, k, "choice"), ["edit:save", "help:palette", "run:toggle"].includes(command), command);
     assert.equal(
       mayFire(command, k, "code"),
       ["edit:save", "help:palette", "edit:undo", "edit:redo"].includes(command),
@@ -36,8 +37,13 @@ test("in a text field only saving and the palette act, in the scene's editor the
     );
     assert.equal(mayFire(command, k, "page"), true);
   }
-  assert.equal(mayFire("run:toggle", " ", "control"), false, "Space presses the button that has the focus");
-  assert.equal(mayFire("edit:delete", "Delete", "control"), true, "in the tree");
+  for (const where of ["control", "tab", "tree"] as const)
+    assert.equal(mayFire("run:toggle", " ", where), true, "Space plays whatever has the focus");
+  assert.equal(mayFire("run:toggle", " ", "switch"), false, "Space is the only key of a check box");
+  assert.equal(mayFire("edit:delete", "Delete", "tree"), true);
+  assert.equal(mayFire("view:deselect", "Escape", "tree"), true);
+  assert.equal(mayFire("view:deselect", "Escape", "switch"), false, "it closes the menu");
+  assert.equal(mayFire("run:step", "ArrowRight", "tree"), false);
   assert.equal(mayFire("edit:delete", "Delete", "tab"), false);
   assert.equal(mayFire("view:top", "5", "control"), true);
 });

@@ -10,6 +10,7 @@ export const kKeys: [key: string, command: string][] = [
   ["=", "run:faster"],
   ["Shift +", "run:faster"],
   ["F", "view:focus"],
+  ["Escape", "view:deselect"],
   ["1", "view:front"],
   ["2", "view:back"],
   ["3", "view:left"],
@@ -37,16 +38,19 @@ const kInText = new Set(["edit:save", "help:palette"]);
 /** Keys that the code editor, whose text is the scene's, leaves to the one history. */
 const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"]);
 
-type Surroundings = "page" | "text" | "code" | "control" | "tab";
+type Surroundings = "page" | "text" | "code" | "switch" | "choice" | "control" | "tab" | "tree";
 
 /** Whether a key that is bound to `command` may act while the focus is there. `key`: as of the event. */
 export function mayFire(command: string, key: string, where: Surroundings): boolean {
   if (where === "text") return kInText.has(command);
   if (where === "code") return kInCode.has(command);
-  // A button is pressed with Space, a slider or a tab moved with arrows, a tab closed with Delete: theirs, not ours.
+  // Buttons are pressed with Enter as well; what is switched or chosen from has no key but Space.
+  if (key === " ") return where !== "switch";
+  if (where === "choice") return kInText.has(command);
+  if (key === "Escape") return where === "page" || where === "tree";
+  // A slider or a tab is moved with arrows, a tab closed with Delete: theirs, not ours.
   if (where === "tab" && key === "Delete") return false;
-  if (where === "control" || where === "tab") return ![" ", "ArrowLeft", "ArrowRight"].includes(key);
-  return true;
+  return where === "page" || !["ArrowLeft", "ArrowRight"].includes(key);
 }
 
 function surroundings(target: EventTarget | null): Surroundings {
@@ -55,13 +59,17 @@ function surroundings(target: EventTarget | null): Surroundings {
   if (target.closest(".cm-editor")) return target.closest("[data-own-history]") ? "text" : "code";
   const input = target.closest("input, textarea, select, [contenteditable='true'], [role='textbox']");
   if (input) {
+    if (input instanceof HTMLSelectElement) return "choice";
     const type = input instanceof HTMLInputElement ? input.type : "text";
-    return ["checkbox", "radio", "button", "color", "range", "submit"].includes(type) ? "control" : "text";
+    if (["checkbox", "radio", "color"].includes(type)) return "switch";
+    return ["button", "range", "submit"].includes(type) ? "control" : "text";
   }
   if (target.closest("[role='tab']")) return "tab";
+  if (target.closest("[role='tree']")) return "tree";
+  const chosen = "[role='menu'], [role='menubar'], [role='listbox'], [role='option'], [role='radio'], [role='switch']";
+  if (target.closest(chosen)) return "switch";
   const control =
-    "button, a[href], summary, [role='slider'], [role='menuitem'], [role='option'], [role='separator']," +
-    "[role='tree'], [role='treeitem'], [role='listbox'], [role='menubar'], [role='menu'], [role='radio'], [role='grid']";
+    "button, a[href], summary, [role='slider'], [role='separator'], [role='grid'], [role='dialog'], [role='group']";
   return target.closest(control) ? "control" : "page";
 }
 
@@ -96,6 +104,17 @@ export function bindKeys(commands: CommandRegistry): void {
 }
 
 export function listen(commands: CommandRegistry, on: Document): void {
+  // Browsers press a button when Space goes up.
+  let taken = false;
+  on.addEventListener(
+    "keyup",
+    (event) => {
+      if (event.key !== " " || !taken) return;
+      taken = false;
+      event.preventDefault();
+    },
+    { capture: true },
+  );
   on.addEventListener(
     "keydown",
     (event) => {
@@ -111,6 +130,7 @@ export function listen(commands: CommandRegistry, on: Document): void {
         if (event.ctrlKey || event.metaKey) event.preventDefault();
         return;
       }
+      taken ||= event.key === " ";
       event.preventDefault();
       event.stopPropagation();
       void commands.execute(command);

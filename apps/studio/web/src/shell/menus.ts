@@ -1,6 +1,7 @@
 // The menu bar, made from the commands there are.
 import type { CommandRegistry } from "@lumino/commands";
 import { Menu, MenuBar } from "@lumino/widgets";
+import { insertMenus } from "../add/groups";
 import { itemsOf, kInner, kMenus } from "./menu_items";
 
 /** Sets the role of items that open submenus, which the library omits. */
@@ -34,6 +35,14 @@ export function makeMenus(commands: CommandRegistry): MenuBar {
     const all = commands.listCommands().filter((id) => commands.isVisible(id) && commands.label(id) !== "");
     for (const { menu, kind, first } of menus) {
       menu.clearItems();
+      if (kind === "insert") {
+        for (const { title, ids } of insertMenus(all)) {
+          const submenu = makeMenu(commands, title);
+          for (const command of ids) submenu.addItem({ command });
+          menu.addItem({ type: "submenu", submenu });
+        }
+        continue;
+      }
       const inner = new Map<string, Menu>();
       for (const id of itemsOf(kind, first, all)) {
         if (id === null) {

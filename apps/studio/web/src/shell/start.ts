@@ -2,6 +2,7 @@ import type { Link } from "../core/link";
 import { wire } from "../core/wire";
 import { App } from "./app";
 import { recall } from "./memory";
+import { showStartPage } from "./start_page";
 import "./shell.css";
 
 /** Lays out the page; all it shows comes over `link`. */
@@ -18,6 +19,7 @@ export function start(link: Link): void {
     app.state,
     (message) => app.notify(message, "error"),
     () => app.renew(),
+    () => showStartPage(link),
   );
   app.show();
   addEventListener("pagehide", ({ persisted }) => {

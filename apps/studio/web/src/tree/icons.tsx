@@ -8,6 +8,7 @@ const kPaths: Record<string, string> = {
   cylinder: "M3 4c0-2.7 10-2.7 10 0v8c0 2.7-10 2.7-10 0ZM3 4c0 2.7 10 2.7 10 0",
   capsule: "M4 5.5a4 4 0 0 1 8 0v5a4 4 0 0 1-8 0ZM4 5.5c0 2 8 2 8 0",
   ellipsoid: "M15 8A7 4.500 0 1 1 1 8a7 4.500 0 0 1 14 0ZM1 8c2 2 12 2 14 0",
+  wheels: "M4 6h8v4H4ZM1.500 4h2.500v8H1.500ZM12 4h2.500v8H12Z",
   cone: "M8 1.500 13 12c0 2.700-10 2.700-10 0Z",
   prism: "M2 11 6 8.500 14 11 6 14ZM2 4 6 1.500 14 4 6 7ZM2 4v7M6 7v7M14 4v7",
   plane: "M1 11 5 5h10l-4 6Z",

@@ -1,6 +1,7 @@
 // The tree's menus, made for the element on which they are opened.
 import { Menu } from "@lumino/widgets";
 import { insertable } from "../add/commands";
+import { insertMenus } from "../add/groups";
 import type { Studio } from "../core/studio";
 import type { Row } from "./model";
 import { signalLabel, TreeState } from "./tree_state";
@@ -8,9 +9,14 @@ import { signalLabel, TreeState } from "./tree_state";
 function insertMenu(studio: Studio): Menu {
   const menu = new Menu({ commands: studio.commands });
   menu.title.label = "Insert";
-  for (const tag of insertable(studio)) {
-    const command = `insert:${tag}`;
-    if (studio.commands.hasCommand(command)) menu.addItem({ command });
+  const ids = [...insertable(studio), "wheels"].map((tag) => `insert:${tag}`);
+  const robots = studio.commands.listCommands().filter((id) => id.startsWith("robot:"));
+  const all = [...robots, ...ids.filter((id) => studio.commands.hasCommand(id))];
+  for (const { title, ids: inside } of insertMenus(all)) {
+    const submenu = new Menu({ commands: studio.commands });
+    submenu.title.label = title;
+    for (const command of inside) submenu.addItem({ command });
+    menu.addItem({ type: "submenu", submenu });
   }
   return menu;
 }

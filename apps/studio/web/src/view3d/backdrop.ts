@@ -75,6 +75,7 @@ function gridCell(distance: number): number {
 
 export class Backdrop {
   readonly root = new Group();
+  private theme: "light" | "dark" = "light";
   private readonly sky: Mesh<SphereGeometry, ShaderMaterial>;
   private readonly grid: Mesh<PlaneGeometry, ShaderMaterial>;
 
@@ -111,12 +112,20 @@ export class Backdrop {
   }
 
   setTheme(theme: "light" | "dark", gridColor: string): void {
+    this.theme = theme;
     const sky = kSkies[theme];
     for (const name of ["zenith", "horizon", "nadir"] as const) {
       const [r, g, b] = sky[name];
       (this.sky.material.uniforms[name]!.value as Color).setRGB(r, g, b, "srgb");
     }
     (this.grid.material.uniforms.color!.value as Color).set(gridColor);
+  }
+
+  /** Over a floor the sky has no ground of its own: the floor fades into the haze. */
+  showGround(shown: boolean): void {
+    const { uniforms } = this.sky.material;
+    const [r, g, b] = kSkies[this.theme][shown ? "nadir" : "horizon"];
+    (uniforms.nadir!.value as Color).setRGB(r, g, b, "srgb");
   }
 
   showGrid(shown: boolean): void {

@@ -7,6 +7,7 @@ import {
   DynamicDrawUsage,
   Group,
   InstancedMesh,
+  type LineSegments,
   Matrix4,
   Mesh,
   MeshLambertMaterial,
@@ -18,7 +19,8 @@ import {
 } from "three";
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
 import { writeMatrix, scaledMatrix } from "./pose";
-import { box, cylinder, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
+import { edgeLines, edgeMaterial, fading, kDarkFloor, kFloorOrder, outlined } from "./surfaces";
+import { box, cylinder, edgesOf, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
 
 /** A shape of a body, where it is drawn. */
 interface Item {
@@ -60,11 +62,14 @@ export class Batches {
   private readonly items: Item[] = [];
   private readonly byMesh = new Map<object, Item[]>();
   private readonly byBody = new Map<number, Item[]>();
-  private readonly geometries = new Map<string, BufferGeometry>();
+  private readonly geometries = new Map<string, { whole: BufferGeometry; edges: number[] }>();
+  private readonly lines: LineSegments[] = [];
+  private readonly edges = edgeMaterial();
   private readonly materials = new Map<string, MeshLambertMaterial>();
   private readonly textures: Texture[] = [];
   private readonly segments: number;
   private gone = false;
+  private dark = false;
 
   constructor(
     private readonly scene: Scene,
@@ -112,7 +117,7 @@ export class Batches {
     return plain && ["box", "sphere", "cylinder", "plane"].includes(shape.type);
   }
 
-  private geometry(shape: SceneShape): BufferGeometry {
+  private geometry(shape: SceneShape): { whole: BufferGeometry; edges: number[] } {
     const key = this.geometryKey(shape);
     let made = this.geometries.get(key);
     if (made) return made;
@@ -124,7 +129,8 @@ export class Batches {
     else if (shape.type === "cylinder") t = cylinder(1, 1, this.segments);
     else if (shape.type === "plane") t = rectangle(1, 1);
     else t = box([1, 1, 1]);
-    made = geometryOf(t);
+    const smoothAll = shape.type === "sphere" || shape.type === "capsule";
+    made = { whole: geometryOf(t), edges: this.options.ghost || smoothAll || shape.type === "plane" ? [] : edgesOf(t) };
     this.geometries.set(key, made);
     return made;
   }
@@ -150,6 +156,8 @@ export class Batches {
     let made = this.materials.get(key);
     if (made) return made;
     made = new MeshLambertMaterial({ side: DoubleSide });
+    if (plane) fading(made);
+    else if (!ghost) outlined(made);
     if (ghost) {
       made.color = ghost;
       made.transparent = true;
@@ -192,10 +200,27 @@ export class Batches {
     this.textures.push(texture);
   }
 
+  private colorOf(shape: SceneShape): Color {
+    const [r, g, b] = shape.color;
+    const color = new Color().setRGB(r, g, b, SRGBColorSpace);
+    return this.dark && shape.type === "plane" && !shape.texture ? color.multiplyScalar(kDarkFloor) : color;
+  }
+
+  /** Floors are dark where the page is. */
+  setTheme(theme: "light" | "dark"): void {
+    if (this.dark === (theme === "dark")) return;
+    this.dark = theme === "dark";
+    for (const { mesh, index, shape } of this.items) {
+      if (shape.type !== "plane" || index < 0 || this.options.ghost) continue;
+      (mesh as InstancedMesh).setColorAt(index, this.colorOf(shape));
+      (mesh as InstancedMesh).instanceColor!.needsUpdate = true;
+    }
+  }
+
   private addGroup(members: { body: number; shape: SceneShape }[]): void {
     const first = members[0]!.shape;
     const alone = this.isAlone(first);
-    const geometry = this.geometry(first);
+    const { whole: geometry, edges } = this.geometry(first);
     const material = this.material(first);
     let mesh: Mesh | InstancedMesh;
     if (alone) {
@@ -204,12 +229,11 @@ export class Batches {
     } else {
       const many = new InstancedMesh(geometry, material, members.length);
       many.instanceMatrix.setUsage(DynamicDrawUsage);
-      if (!this.options.ghost) {
-        const color = new Color();
-        members.forEach(({ shape }, i) => {
-          const [r, g, b] = shape.color;
-          many.setColorAt(i, color.setRGB(r, g, b, SRGBColorSpace));
-        });
+      if (!this.options.ghost) members.forEach(({ shape }, i) => many.setColorAt(i, this.colorOf(shape)));
+      if (edges.length > 0) {
+        const lines = edgeLines(many, geometry, edges, this.edges);
+        this.lines.push(lines);
+        this.root.add(lines);
       }
       mesh = many;
     }
@@ -218,6 +242,7 @@ export class Batches {
     mesh.castShadow = !this.options.ghost && !alone && first.type !== "plane";
     mesh.receiveShadow = !this.options.ghost;
     if (this.options.ghost) mesh.renderOrder = 1;
+    else if (first.type === "plane") mesh.renderOrder = kFloorOrder;
     const items = members.map(({ body, shape }, i): Item => {
       return { body, shape, local: this.localMatrix(shape), mesh, index: alone ? -1 : i };
     });
@@ -277,7 +302,9 @@ export class Batches {
     this.gone = true;
     this.root.removeFromParent();
     for (const mesh of this.byMesh.keys()) if (mesh instanceof InstancedMesh) mesh.dispose();
-    for (const made of this.geometries.values()) made.dispose();
+    for (const made of this.geometries.values()) made.whole.dispose();
+    for (const lines of this.lines) lines.geometry.dispose();
+    this.edges.dispose();
     for (const made of this.materials.values()) made.dispose();
     for (const made of this.textures) made.dispose();
   }

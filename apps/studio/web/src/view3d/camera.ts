@@ -8,8 +8,9 @@ import { cameraPose, directionOf, distanceFor, verticalFov, type ViewName } from
 export class Eye {
   readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
   readonly controls: OrbitControls;
-  /** Whether a user has ever moved it. */
-  touched = false;
+  /** Whether a person has taken it: then it goes nowhere by itself. */
+  taken = false;
+  private handled = false;
   private farthest = 2;
   private followed: Vec3 | null = null;
 
@@ -21,10 +22,14 @@ export class Eye {
     this.controls.screenSpacePanning = true;
     this.controls.minDistance = 1e-3;
     this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
-    this.controls.addEventListener("change", changed);
-    this.controls.addEventListener("start", () => (this.touched = true));
+    // a click alone takes nothing
+    this.controls.addEventListener("start", () => (this.handled = true));
+    this.controls.addEventListener("end", () => (this.handled = false));
+    this.controls.addEventListener("change", () => {
+      this.taken ||= this.handled;
+      changed();
+    });
     this.look("iso", kNothing);
-    this.touched = false;
   }
 
   setSize(width: number, height: number): void {
@@ -47,10 +52,17 @@ export class Eye {
   private lookAlong(direction: Vec3, bounds: Bounds): void {
     const middle = middleOf(bounds);
     const distance = distanceFor(bounds, direction, this.camera.aspect);
-    this.touched = true;
     this.controls.target.set(...middle);
     this.camera.position.set(...middle).addScaledVector(new Vector3(...direction), distance);
+    this.settle();
+  }
+
+  /** After a movement that is not a person's. */
+  private settle(): void {
+    const { handled } = this;
+    this.handled = false;
     this.controls.update();
+    this.handled = handled;
   }
 
   /** Moves along with the followed point; null: none. */
@@ -62,12 +74,12 @@ export class Eye {
     if (moved.lengthSq() === 0) return;
     this.camera.position.add(moved);
     this.controls.target.add(moved);
-    this.controls.update();
+    this.settle();
   }
 
   /** Turns around its target [rad], or comes nearer by a factor: for the keyboard. */
   turn(azimuth: number, elevation: number, nearer = 1): void {
-    this.touched = true;
+    this.taken = true;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const length = offset.length() / nearer;
     const polar = Math.acos(Math.max(-1, Math.min(1, offset.z / offset.length()))) - elevation;

@@ -3,6 +3,7 @@ import { effect } from "@preact/signals-core";
 import type { Studio } from "../core/studio";
 import { bodiesOf } from "./selecting";
 import {
+  dragging,
   handleMode,
   handlesLocal,
   handlesSnap,
@@ -52,6 +53,14 @@ export function registerCommands(studio: Studio): void {
     label: "Focus the Selection",
     caption: "Shows the selection; everything when nothing is selected",
     execute: () => look("focus"),
+  });
+  commands.addCommand("view:deselect", {
+    label: "Select Nothing",
+    isEnabled: () => !dragging.value && (state.selection.value.length > 0 || marked.value >= 0),
+    execute: () => {
+      studio.select([]);
+      marked.value = -1;
+    },
   });
   commands.addCommand("view:fit", { label: "Zoom to Fit", caption: "Shows everything", execute: () => look("fit") });
   commands.addCommand("view:follow", {

@@ -1,4 +1,4 @@
-// An outline around the selection and the body under the pointer, visible through everything, and a slight tint.
+// An outline around the selection and the body under the pointer, visible through everything. Colours stay what they are.
 import {
   AdditiveBlending,
   Color,
@@ -32,8 +32,8 @@ void main() {
     around = max(around, texture2D(mask, v_uv + step_size * vec2(cos(turn), sin(turn))).rg);
   }
   vec2 edge = clamp(around - here, 0.0, 1.0);
-  float s = max(edge.r, 0.28 * here.r);
-  float h = max(0.8 * edge.g, 0.16 * here.g) * (1.0 - edge.r);
+  float s = edge.r;
+  float h = 0.8 * edge.g * (1.0 - edge.r);
   float a = max(s, h);
   if (a < 0.01) discard;
   gl_FragColor = vec4(mix(hovered, selected, s / (s + h)), a);
@@ -92,9 +92,10 @@ export class Highlight {
   show(batches: Batches | null, selected: Iterable<number>, hovered: number): void {
     this.scene.clear();
     if (!batches) return;
-    const add = (body: number, material: MeshBasicMaterial, planes: boolean) => {
+    const add = (body: number, material: MeshBasicMaterial) => {
       for (const { geometry, matrix, plane } of batches.drawn(body)) {
-        if (plane && !planes) continue;
+        // what has no end has no outline
+        if (plane) continue;
         const mesh = new Mesh(geometry, material);
         mesh.matrixAutoUpdate = false;
         mesh.matrix.copy(matrix);
@@ -103,9 +104,8 @@ export class Highlight {
         this.scene.add(mesh);
       }
     };
-    for (const body of selected) add(body, this.materials.selected, true);
-    // a whole floor that lights up under the pointer would distract
-    if (hovered >= 0) add(hovered, this.materials.hovered, false);
+    for (const body of selected) add(body, this.materials.selected);
+    if (hovered >= 0) add(hovered, this.materials.hovered);
   }
 
   get empty(): boolean {

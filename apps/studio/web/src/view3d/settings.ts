@@ -32,6 +32,9 @@ export const kOverlayLabels: Record<OverlayName, string> = {
 export const kMapLayers = ["rays", "trails", "names", "regions"] as const;
 export type MapLayer = (typeof kMapLayers)[number];
 
+/** A handle is being dragged. */
+export const dragging = signal(false);
+
 export type HandleMode = "off" | "move" | "rotate";
 
 const remembered = <T extends boolean | string>(name: string, otherwise: T): Signal<T> => {

@@ -157,6 +157,42 @@ export function smooth(positions: ArrayLike<number>, indices: ArrayLike<number>)
   return out;
 }
 
+const kShadingJump = Math.cos((15 * Math.PI) / 180);
+
+/** Pairs of vertices between which the surface has a visible edge: where shading jumps from one triangle to the next, and
+ *  where a surface ends. */
+export function edgesOf({ positions, normals, indices }: Triangles): number[] {
+  const extent = positions.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+  const cell = Math.max(1e-6 * extent, 1e-30);
+  const places = new Map<string, number>();
+  const placeOf = new Uint32Array(positions.length / 3);
+  for (let i = 0; i < placeOf.length; i++) {
+    const key = [0, 1, 2].map((k) => Math.round(positions[3 * i + k]! / cell) + 0).join(" ");
+    if (!places.has(key)) places.set(key, places.size);
+    placeOf[i] = places.get(key)!;
+  }
+  const differ = (a: number, b: number) =>
+    normals[3 * a]! * normals[3 * b]! +
+      normals[3 * a + 1]! * normals[3 * b + 1]! +
+      normals[3 * a + 2]! * normals[3 * b + 2]! <
+    kShadingJump;
+  // by the two places: the vertices of the first triangle, and whether it is the only one, or shading jumps
+  const edges = new Map<number, { a: number; b: number; seen: boolean }>();
+  for (let i = 0; i + 2 < indices.length; i += 3) {
+    for (let k = 0; k < 3; k++) {
+      let a = indices[i + k]!;
+      let b = indices[i + ((k + 1) % 3)]!;
+      if (placeOf[a] === placeOf[b]) continue;
+      if (placeOf[a]! > placeOf[b]!) [a, b] = [b, a];
+      const key = placeOf[a]! * places.size + placeOf[b]!;
+      const known = edges.get(key);
+      if (!known) edges.set(key, { a, b, seen: true });
+      else known.seen = differ(a, known.a) && differ(b, known.b);
+    }
+  }
+  return [...edges.values()].flatMap(({ a, b, seen }) => (seen ? [a, b] : []));
+}
+
 /** Row 0 at the lowest y; every cell is two triangles that share the diagonal from its lowest x and y. */
 export function gridFaces(map: Scene["heightmaps"][number]): { positions: number[]; indices: number[] } {
   const positions: number[] = [];

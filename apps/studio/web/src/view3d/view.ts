@@ -1,13 +1,14 @@
 // The 3D view itself: loaded when the panel is first shown.
 import { effect, untracked } from "@preact/signals-core";
-import { Color, Raycaster, Scene as ThreeScene, Vector2 } from "three";
+import { Color, Raycaster, Scene as ThreeScene, Vector2, Vector3 } from "three";
 import type { Frame } from "../core/frame";
 import type { Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
 import { Batches } from "./batches";
-import { joined, kNothing, radiusOf, visibleBounds, type Bounds } from "./bounds";
+import { cornersOf, joined, kNothing, radiusOf, visibleBounds, type Bounds } from "./bounds";
 import { Eye } from "./camera";
+import { Framing } from "./framing";
 import { Handles } from "./handles";
 import { Highlight } from "./highlight";
 import { Labels } from "./labels";
@@ -16,8 +17,9 @@ import { Overlay } from "./overlay";
 import { glPainter, serverPainter, type Painter } from "./painters";
 import { isFinite, poseAt } from "./pose";
 import { bodiesOf, clickBody, elementOf, whyNot } from "./selecting";
-import { handleMode, handlesLocal, handlesSnap, marked, overlays, viewRequest } from "./settings";
+import { dragging, handleMode, handlesLocal, handlesSnap, marked, overlays, viewRequest } from "./settings";
 import { RunTrails } from "./trails";
+import { fadeFloors } from "./surfaces";
 import type { ViewName } from "./views";
 
 /** The options that the panel gives the view. */
@@ -38,6 +40,8 @@ export class View3d {
   private readonly overlay = new Overlay();
   private readonly labels: Labels;
   private readonly eye: Eye;
+  private readonly framing = new Framing();
+  private framed: Bounds | null = null;
   private readonly handles: Handles;
   private readonly ray = new Raycaster();
   private painter: Painter;
@@ -83,7 +87,10 @@ export class View3d {
         this.moved = true;
         this.drawSoon();
       },
-      dragging: (on) => (this.eye.controls.enabled = !on),
+      dragging: (on) => {
+        this.eye.controls.enabled = !on;
+        dragging.value = on;
+      },
       note: (text) => stand.note("handles", text),
     });
     this.stage.add(this.backdrop.root, this.overlay.root);
@@ -191,6 +198,8 @@ export class View3d {
     this.ghostColor = color("--cg-ghost", "#7a3fb5");
     this.ghosts?.dispose();
     this.ghosts = null;
+    this.batches?.setTheme(theme);
+    this.backdrop.showGround(!this.scene?.bodies.some((b) => !b.removed && b.shapes.some((s) => s.type === "plane")));
     this.moved = true;
     this.rethemed = false;
   }
@@ -215,6 +224,7 @@ export class View3d {
     this.labels.adopt(scene);
     this.bounds = null;
     this.remark = true;
+    this.rethemed = true;
     this.refresh();
   }
 
@@ -252,11 +262,8 @@ export class View3d {
     if (!this.bounds || scene.bodies.length <= kShadowLimit || this.frames % 15 === 0) {
       const first = !this.bounds;
       this.bounds = visibleBounds(scene, poses);
-      // the first body of an empty scene is brought into view, once
-      if (first && this.bounds && !this.eye.touched) {
-        this.eye.look("iso", this.bounds);
-        this.eye.touched = false;
-      }
+      if (first) this.framing.adopt(this.bounds);
+      this.framing.follow(scene, poses, frame?.time ?? 0);
       this.lights?.fit(this.bounds ?? kNothing);
     }
     const followed = this.studio.state.followed.peek();
@@ -268,6 +275,24 @@ export class View3d {
     this.handles.update(scene, poses);
     this.relight = true;
     this.remark = true;
+  }
+
+  /** Lets the camera go along with what moves, unless a person has taken it or holds something. */
+  private goAlong(): void {
+    const { shown } = this.framing;
+    if (!shown || shown === this.framed || this.handles.dragging) return;
+    if (this.eye.taken || this.studio.state.followed.peek()) return;
+    this.framed = shown;
+    this.eye.fit(shown);
+  }
+
+  /** The rectangle of the picture that holds all that moves: left, bottom, right, top from -1 to 1. */
+  private movingInPicture(): string {
+    const { moving } = this.framing;
+    if (!moving) return "";
+    const corners = cornersOf(moving).map((corner) => new Vector3(...corner).project(this.eye.camera));
+    const [xs, ys] = [corners.map((c) => c.x), corners.map((c) => c.y)];
+    return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)].map((v) => v.toFixed(4)).join(" ");
   }
 
   private mark(): void {
@@ -284,6 +309,7 @@ export class View3d {
       if (this.rethemed) this.setTheme();
       if (this.moved) this.moveBodies();
       if (this.remark) this.mark();
+      this.goAlong();
       if (this.scene) {
         const frame = this.soundFrame();
         const empty: Frame = {
@@ -300,6 +326,7 @@ export class View3d {
           this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
       }
       this.eye.adjust(this.bounds);
+      fadeFloors(this.eye.camera.far);
       this.backdrop.follow(this.eye.camera, this.eye.controls.target);
       this.painter.draw(this.stage, this.eye, this.highlight, this.relight);
       this.labels.update(overlays.names.peek(), this.poses, this.eye.camera, this.width, this.height);
@@ -308,6 +335,7 @@ export class View3d {
       const { dataset } = this.painter.element;
       dataset.frames = String(this.frames);
       dataset.time = String(this.soundFrame()?.time ?? 0);
+      dataset.moving = this.movingInPicture();
     });
   }
 
@@ -328,6 +356,7 @@ export class View3d {
     this.height = height;
     this.painter.setSize(width, height);
     this.eye.setSize(width, height);
+    this.framed = null;
     // a canvas that was resized is empty until it is drawn, which should not be seen
     if (this.visible && this.frames > 0) this.draw();
     else this.drawSoon();
@@ -335,8 +364,11 @@ export class View3d {
 
   private obey(what: ViewName | "fit" | "focus"): void {
     if (this.moved) this.moveBodies();
+    if (what === "focus") return this.focus();
+    this.eye.taken = false;
+    this.framing.reset(this.bounds);
+    this.framed = this.framing.shown;
     if (what === "fit") this.eye.fit(this.bounds ?? kNothing);
-    else if (what === "focus") this.focus();
     else this.eye.look(what, this.bounds ?? kNothing);
     this.drawSoon();
   }
@@ -347,6 +379,7 @@ export class View3d {
     const bodies = bodiesOf(state, state.selection.peek());
     if (marked.peek() >= 0) bodies.add(marked.peek());
     const around = this.scene && bodies.size > 0 ? visibleBounds(this.scene, this.poses, bodies) : null;
+    this.eye.taken = around !== null;
     if (around) {
       // the camera would be inside of a very thin thing
       const grow = Math.max(0.02 - radiusOf(around), 0);
@@ -369,6 +402,11 @@ export class View3d {
     this.ray.setFromCamera(at, this.eye.camera);
     const hits = this.ray.intersectObject(this.batches.root, true);
     return hits.length > 0 ? this.batches.bodyAt(hits[0]!) : -1;
+  }
+
+  private isFloor(body: number): boolean {
+    const shapes = this.scene?.bodies[body]?.shapes.filter((s) => s.visual) ?? [];
+    return shapes.length > 0 && shapes.every((s) => s.type === "plane");
   }
 
   private hover(): void {
@@ -411,7 +449,10 @@ export class View3d {
       this.down = null;
       if (!down || Math.hypot(event.clientX - down.x, event.clientY - down.y) > kClick) return;
       const body = this.bodyAt(event.clientX, event.clientY);
-      if (event.button === 0) {
+      if (event.button === 0 && this.isFloor(body)) {
+        // a click beside things
+        clickBody(this.studio, -1, event.ctrlKey || event.shiftKey || event.metaKey);
+      } else if (event.button === 0) {
         clickBody(this.studio, body, event.ctrlKey || event.shiftKey || event.metaKey);
       } else if (event.button === 2) {
         const element = this.scene ? elementOf(this.scene, body) : -1;

@@ -1,0 +1,92 @@
+// A model in MJCF that MuJoCo runs from its file, beside its import on the mujoco backend.
+#include "../support/temporary_folder.h"
+#include "original_run.h"
+
+#include <catch2/catch.hpp>
+
+using namespace cogrsim;
+using namespace cogrsim::test;
+
+namespace {
+
+// A trunk on two legs and a slider as a tail, whose feet are on the ground in the keyframe
+// "crouch", far from where the model is drawn.
+const char* const kModel = R"(<mujoco model="strider">
+  <compiler angle="radian" autolimits="true"/>
+  <option timestep="0.002"/>
+  <default>
+    <geom friction="0.8 0.005 0.0001"/>
+    <default class="leg">
+      <joint axis="0 1 0" damping="0.3" armature="0.012" frictionloss="0.15"/>
+      <position kp="60" forcerange="-25 25"/>
+      <geom type="capsule" size="0.02"/>
+    </default>
+    <default class="foot"><geom type="sphere" size="0.03" mass="0.05"/></default>
+  </default>
+  <worldbody>
+    <geom name="ground" type="plane" size="5 5 0.1"/>
+    <body name="trunk" pos="0 0 0.62">
+      <freejoint name="root"/>
+      <inertial pos="0.02 -0.01 0.03" mass="4" diaginertia="0.03 0.05 0.06"/>
+      <geom type="box" size="0.15 0.08 0.05"/>
+      <body name="left_thigh" pos="0 0.1 0" childclass="leg">
+        <inertial pos="0 0 -0.14" quat="0.99 0.1 0 0.1" mass="0.9" diaginertia="0.007 0.006 0.001"/>
+        <joint name="left_hip" range="-1.6 1.2"/>
+        <geom fromto="0 0 0 0 0 -0.28"/>
+        <body name="left_shank" pos="0 0 -0.3">
+          <inertial pos="0 0 -0.13" mass="0.4" diaginertia="0.003 0.003 0.0004"/>
+          <joint name="left_knee" range="0 2.4" damping="0.5"/>
+          <geom fromto="0 0 0 0 0 -0.25"/>
+          <geom name="left_foot" class="foot" pos="0.01 0 -0.28"/>
+        </body>
+      </body>
+      <body name="right_thigh" pos="0 -0.1 0" childclass="leg">
+        <inertial pos="0 0 -0.14" mass="0.9" diaginertia="0.007 0.006 0.001"/>
+        <joint name="right_hip" range="-1.6 1.2"/>
+        <geom fromto="0 0 0 0 0 -0.28"/>
+        <body name="right_shank" pos="0 0 -0.3">
+          <inertial pos="0 0 -0.13" mass="0.4" diaginertia="0.003 0.003 0.0004"/>
+          <joint name="right_knee" range="0 2.4"/>
+          <geom fromto="0 0 0 0 0 -0.25"/>
+          <geom name="right_foot" class="foot" pos="0.01 0 -0.28"/>
+        </body>
+      </body>
+      <body name="tail" pos="-0.2 0 0">
+        <inertial pos="-0.1 0 0" mass="0.3" diaginertia="0.0005 0.001 0.001"/>
+        <joint name="reach" type="slide" axis="-1 0 0.2" range="0 0.2" damping="4" armature="0.1"/>
+        <geom type="cylinder" size="0.02 0.05" pos="-0.1 0 0" quat="0.7071 0 0.7071 0"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position class="leg" name="left_hip" joint="left_hip"/>
+    <position class="leg" name="left_knee" joint="left_knee" kp="80"/>
+    <position class="leg" name="right_hip" joint="right_hip"/>
+    <position class="leg" name="right_knee" joint="right_knee" kp="80"/>
+    <position name="reach" joint="reach" kp="200" forcerange="-15 15"/>
+  </actuator>
+  <keyframe>
+    <key name="crouch" qpos="0.3 -0.2 0.53 1 0 0 0 -0.6 1.1 -0.5 1.0 0.05"
+      ctrl="-0.7 1.2 -0.3 0.9 0.12"/>
+  </keyframe>
+</mujoco>)";
+
+}  // namespace
+
+// Both read one text and take the same steps; what differs is the rounding of a few products of
+// poses and of principal axes, 1e-16. What stands on its feet forgets it or grows it slowly: in
+// half a second, with both feet in contact from the first step, by far less than the factor 1e7
+// that the bound leaves.
+TEST_CASE("a model runs on the mujoco backend as its file does in MuJoCo", "[import][mjcf]") {
+  const std::string start = GENERATE("", "crouch");
+  const TemporaryFolder folder;
+  const auto run = run_beside_original(folder.write("strider.xml", kModel), start, 0.5);
+  INFO((run ? "" : run.error().message));
+  REQUIRE(run);
+  INFO(run->furthest);
+  CHECK(run->joints == 5);
+  CHECK(run->missing == 0);
+  CHECK(run->touching >= 2);
+  CHECK(run->apart < 1e-9);
+  CHECK(run->base_apart < 1e-9);
+}
