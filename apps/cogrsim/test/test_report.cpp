@@ -83,7 +83,7 @@ std::string failure_text(const TestCase& one, const TestCommandOptions& options)
   for (const Json& verdict : one.result["verdicts"])
     if (!verdict["passed"].get<bool>()) out += indented(verdict["text"].get<std::string>());
   for (const Json& file : one.result["recordings"])
-    out += "  recording: " + one_line(file.get<std::string>()) + "\n";
+    out += "  recording: " + file.get<std::string>() + "\n";
   if (options.out.empty()) out += "  no recording: --out DIR keeps one of each failed case\n";
   if (one.result.contains("unrecorded"))
     out += indented("no recording: " + one.result["unrecorded"].get<std::string>());
