@@ -87,7 +87,7 @@ std::string failure_text(const TestCase& one, const TestCommandOptions& options)
   if (options.out.empty()) out += "  no recording: --out DIR keeps one of each failed case\n";
   if (one.result.contains("unrecorded"))
     out += indented("no recording: " + one.result["unrecorded"].get<std::string>());
-  return out + "  again: " + again(one, options) + "\n";
+  return out + "  again: " + one_line(again(one, options)) + "\n";
 }
 
 std::string junit_text(const std::vector<TestCase>& cases) {
