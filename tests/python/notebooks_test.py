@@ -34,8 +34,9 @@ def shown(value):
     for method, kind in (("_repr_html_", "text/html"), ("_repr_svg_", "image/svg+xml"), ("_repr_png_", "image/png")):
         data = getattr(value, method)() if hasattr(value, method) else None
         if data is not None:
-            bundle[kind] = base64.b64encode(data).decode() if isinstance(data, bytes) else data
-    return {**bundle, "text/plain": repr(value)}
+            bundle[kind] = data
+    return {**{kind: base64.b64encode(data).decode() if isinstance(data, bytes) else data
+               for kind, data in bundle.items()}, "text/plain": repr(value)}
 
 
 def lines(text):
