@@ -40,11 +40,11 @@ TEST_CASE("materials and shapes say how a pair combines", "[dsl][build]") {
     <plane name="floor" friction="0.9" restitution="0.1"/>
     <sphere name="ball" radius="10 cm" material="felt" xyz="0 0 1"/>
     <sphere name="odd" radius="10 cm" material="felt" friction-combine="max" xyz="1 0 1"/>)");
-  const auto pair = [&](const char* body) {
+  const auto pair = [&](const char* with) {
     const auto material = [&](const char* name) {
       return body(*model, name).shapes.at(0).material;
     };
-    return surface_pair(*model, material("floor"), material(body));
+    return surface_pair(*model, material("floor"), material(with));
   };
   CHECK(pair("ball").friction == 0.4);
   CHECK(pair("ball").restitution == Approx(0.3));

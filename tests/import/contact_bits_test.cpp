@@ -123,3 +123,21 @@ TEST_CASE("the bits of thousands of bodies are decided in bounded space", "[mjcf
   CHECK(in.result.scene.find("<collide") == std::string::npos);
   CHECK(in.reports(kApproximate, "contype and conaffinity", "more than 1000 pairs"));
 }
+
+TEST_CASE("a base that MuJoCo lets touch its first link is reported", "[mjcf][contact]") {
+  const auto read = [](const std::string& rest) {
+    Imported in;
+    in.read(
+        R"(<mujoco><worldbody><body name="base"><geom size="0.1"/><body name="arm"><joint name="j"/>
+      <geom size="0.1" pos="1 0 0"/><body name="hand"><joint/><geom size="0.1" pos="2 0 0"/></body></body></body>
+      </worldbody>)" +
+            rest + "</mujoco>",
+        "m.xml");
+    REQUIRE(in.model);
+    return std::count_if(in.result.entries.begin(), in.result.entries.end(), [](const auto& e) {
+      return e.fidelity == kApproximate && e.element.find("contact of ") == 0;
+    });
+  };
+  CHECK(read("") == 1);
+  CHECK(read(R"(<contact><exclude body1="base" body2="arm"/></contact>)") == 0);
+}

@@ -23,6 +23,7 @@ class ContactBits {
   ContactBits(Context& context, RobotModel& robot) : context_(context), robot_(robot) {}
 
   void separate() {
+    if (context_.result.format == "MJCF") report_bases();
     find_named_pairs();
     if (!find_classes()) return;
     silence_shapes();
@@ -40,6 +41,29 @@ class ContactBits {
     return (a.first & b.second) != 0 || (b.first & a.second) != 0;
   }
   static Class class_of(const RobotShape& s) { return {s.contact_type, s.contact_affinity}; }
+
+  /// MuJoCo lets a body that stands in the world touch what a joint holds on it, a scene does not.
+  void report_bases() {
+    const auto meet = [&](const RobotLink& a, const RobotLink& b) {
+      return std::any_of(a.shapes.begin(), a.shapes.end(), [&](const RobotShape& s) {
+        return s.collides && std::any_of(b.shapes.begin(), b.shapes.end(), [&](const auto& o) {
+                 return o.collides && touch(class_of(s), class_of(o));
+               });
+      });
+    };
+    std::set<std::pair<std::string, std::string>> apart;
+    for (const auto& [a, b] : robot_.no_contact) apart.insert(std::minmax(a, b));
+    for (const RobotJoint& j : robot_.joints) {
+      if (j.parent < 0 || !robot_.stands(j.parent)) continue;
+      const RobotLink &base = robot_.links[j.parent], &link = robot_.links[j.child];
+      if (apart.count(std::minmax(base.name, link.name)) != 0 || !meet(base, link)) continue;
+      context_.approximate(
+          j.at, fmt::format("contact of '{}' and '{}'", base.name, link.name),
+          fmt::format("they do not touch, as a joint holds one on the other: collide=\"true\" of "
+                      "joint '{}' lets them, as MuJoCo does where a body stands in the world",
+                      j.name));
+    }
+  }
 
   void find_named_pairs() {
     std::unordered_map<std::string, int> link_of;

@@ -65,6 +65,33 @@ std::string surface_text(const RobotModel& robot, const RobotShape& s) {
   return out;
 }
 
+std::string color_text(const Color& color) {
+  const auto byte = [](double x) {
+    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
+  };
+  return fmt::format(" color=\"#{:02x}{:02x}{:02x}{}\"", byte(color.r), byte(color.g),
+                     byte(color.b), color.a < 1.0 ? fmt::format("{:02x}", byte(color.a)) : "");
+}
+
+std::string mesh_attributes(const RobotShape& s, const std::string& file) {
+  const Vec3& scale = s.geometry.scale;
+  std::string out = fmt::format(" file=\"{}\"", escaped(file));
+  if (scale != Vec3::Ones())
+    out += scale[0] == scale[1] && scale[1] == scale[2] ? fmt::format(" scale=\"{}\"", scale[0])
+                                                        : fmt::format(" scale=\"{}\"", list(scale));
+  return out;
+}
+
+std::string light_text(const RobotLight& l) {
+  std::string out = fmt::format("    <light name=\"{}\" type=\"{}\"", l.name, l.type);
+  if (l.type != "directional") out += fmt::format(" xyz=\"{}\"", list(tidy(l.position)));
+  if (l.type != "point") out += fmt::format(" direction=\"{}\"", list(tidy(l.direction)));
+  out += color_text({l.color.r, l.color.g, l.color.b, 1.0});
+  if (l.intensity != 1.0) out += fmt::format(" intensity=\"{}\"", l.intensity);
+  if (l.type == "spot" && l.cone) out += fmt::format(" cone=\"{} rad\"", *l.cone);
+  return out + (l.shadows ? "/>\n" : " shadows=\"false\"/>\n");
+}
+
 std::string passive_text(const RobotJoint& j) {
   const bool slides = j.type == RobotJoint::Type::slider;
   std::string out;

@@ -13,8 +13,13 @@ std::string physics_text(const RobotModel& robot);
 std::string materials_text(const RobotModel& robot);
 /// What a shape says of its contacts, as attributes.
 std::string surface_text(const RobotModel& robot, const RobotShape& s);
+/// The attribute color; opaque ones have no fourth number.
+std::string color_text(const Color& color);
+/// The attributes file and scale.
+std::string mesh_attributes(const RobotShape& s, const std::string& file);
 /// Damping, friction and spring of a joint, as attributes.
 std::string passive_text(const RobotJoint& j);
+std::string light_text(const RobotLight& l);
 /// The same law about each axis, and the angles of the start.
 std::string gimbal_text(const RobotJoint& j);
 

@@ -47,7 +47,7 @@ class SceneWriter {
     drives();
     springs();
     forces();
-    for (const RobotLight& l : robot_.lights) light(l);
+    for (const RobotLight& l : robot_.lights) body += light_text(l);
     for (const RobotLink& l : robot_.links)
       for (const RobotSensor& s : l.sensors) sensor(l, s);
     std::string apart;  // pairs of the robot and what stands around it
@@ -205,10 +205,7 @@ class SceneWriter {
   std::string element(const RobotLink& l, const RobotShape& s, const ShapeText& text) {
     if (text.tag.empty()) return "";
     std::string out = "      <" + text.tag + shape_name(l, s) + text.attributes + pose_text(s.X);
-    if (s.color)
-      out += fmt::format(" color=\"#{:02x}{:02x}{:02x}{}\"", byte(s.color->r), byte(s.color->g),
-                         byte(s.color->b),
-                         s.color->a < 1.0 ? fmt::format("{:02x}", byte(s.color->a)) : "");
+    if (s.color) out += color_text(*s.color);
     if (s.collides) out += surface_text(robot_, s);
     if (!s.collides) out += " collide=\"false\"";
     if (!s.visible) out += " visible=\"false\"";
@@ -278,16 +275,6 @@ class SceneWriter {
     }
     extend(s, X, b);
     return {"prism", fmt::format(" outline=\"{}\" length=\"{}\"", text, s.geometry.length)};
-  }
-
-  static std::string mesh_attributes(const RobotShape& s, const std::string& file) {
-    const Vec3& scale = s.geometry.scale;
-    std::string out = fmt::format(" file=\"{}\"", escaped(file));
-    if (scale != Vec3::Ones())
-      out += scale[0] == scale[1] && scale[1] == scale[2]
-                 ? fmt::format(" scale=\"{}\"", scale[0])
-                 : fmt::format(" scale=\"{}\"", list(scale));
-    return out;
   }
 
   /// The files of a mesh's convex parts. None: it is to be one mesh, or is one hull in any case.
@@ -360,7 +347,7 @@ class SceneWriter {
     const HeightField& field = *g.heights;
     std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
     auto pay = [&, paid = std::size_t{0}]() mutable {
-      context_.spend(4 * (text.size() - paid), s.at);
+      context_.spend(20 + 4 * (text.size() - paid), s.at);
       paid = text.size();
     };
     // Rows of a scene begin at the lowest y, those of a file at the highest.
@@ -408,10 +395,6 @@ class SceneWriter {
     if (!s.collides) return;
     extent_.add(centre + half);
     extent_.add(centre - half);
-  }
-
-  static int byte(double x) {
-    return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
   }
 
   std::string add_file(const std::string& wanted, std::string bytes) {
@@ -744,18 +727,6 @@ class SceneWriter {
         *body_ += fmt::format("    <buoyancy on=\"{}\" level=\"{} m\" density=\"{} kg/m^3\"/>\n",
                               l.name, l.fluid->level + lift_, l.fluid->density);
     }
-  }
-
-  void light(const RobotLight& l) {
-    std::string& out = *body_;
-    out += fmt::format("    <light name=\"{}\" type=\"{}\"", l.name, l.type);
-    if (l.type != "directional") out += fmt::format(" xyz=\"{}\"", list(tidy(l.position)));
-    if (l.type != "point") out += fmt::format(" direction=\"{}\"", list(tidy(l.direction)));
-    out += fmt::format(" color=\"#{:02x}{:02x}{:02x}\"", byte(l.color.r), byte(l.color.g),
-                       byte(l.color.b));
-    if (l.intensity != 1.0) out += fmt::format(" intensity=\"{}\"", l.intensity);
-    if (l.type == "spot" && l.cone) out += fmt::format(" cone=\"{} rad\"", *l.cone);
-    out += l.shadows ? "/>\n" : " shadows=\"false\"/>\n";
   }
 
   /// Whether a point lies in a visible shape at the start, but for those of one link; of meshes it is

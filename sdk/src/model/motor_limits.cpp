@@ -28,7 +28,7 @@ double motor_max_speed(const SceneModel& model, const Motor& motor) {
 }
 
 double clamp_target(const SceneModel& model, const Motor& motor, double target) {
-  target = std::clamp(target, motor.min_target, motor.max_target);
+  target = std::max(motor.min_target, std::min(target, motor.max_target));
   switch (motor.mode) {
     case MotorMode::velocity:
       return within(target, motor_max_speed(model, motor));
