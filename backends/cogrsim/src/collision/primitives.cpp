@@ -82,9 +82,12 @@ double growth_of_gap(const Collider& a, const Collider& b, const Vec3& n) {
 Separation flush_separation(const Collider& a, const Collider& b, double margin,
                             const Separation& found) {
   constexpr double kFlush = 1e-4;  // faces of which one stands out by less are one [m]
+  constexpr double kClosed =
+      2e-5;  // a gap of less by the end of a step may stop a body (kTouching in rows.cpp) [m]
   if (found.gap < -kFlush) return found;
   double most = found.gap + growth_of_gap(a, b, found.normal);
-  if (most >= 0.0) return found;
+  if (most >= kClosed) return found;
+  if (found.gap > 0.0) most -= kClosed;
   Separation best = found;
   const auto consider = [&](const Vec3& n) {
     const double gap = n.dot(b.X_WS.p - a.X_WS.p) - support_extent(a, n) - support_extent(b, -n);
