@@ -39,6 +39,8 @@ export function fadeFloors(far: number): void {
 export const kFloorOrder = -6;
 export function fading(material: MeshLambertMaterial): void {
   material.transparent = true;
+  // both sides in one go
+  material.forceSinglePass = true;
   material.onBeforeCompile = (shader) => {
     shader.uniforms.fade = fade;
     shader.fragmentShader = after("#include <common>", shader.fragmentShader, "uniform vec2 fade;");
