@@ -263,7 +263,7 @@ export class View3d {
       const first = !this.bounds;
       this.bounds = visibleBounds(scene, poses);
       if (first) this.framing.adopt(this.bounds);
-      this.framing.follow(scene, poses, frame?.time ?? 0);
+      this.framing.follow(scene, poses, frame?.time ?? null);
       this.lights?.fit(this.bounds ?? kNothing);
     }
     const followed = this.studio.state.followed.peek();
