@@ -1,4 +1,5 @@
-// Gains are what the scene says, whatever the step, the number of motors and the place of the start.
+// Gains are what the scene says, whatever the step, the number of motors and the place of the
+// start.
 #include "axis_rig.h"
 
 #include "cogrsim/physics/warnings.h"
@@ -10,10 +11,11 @@ constexpr double kMotors = 5e-3;  // relative
 
 Mat3 ball_inertia(double moment) { return Mat3(Vec3::Constant(moment).asDiagonal()); }
 
-// A motor of 2 N m/A and 2 V s/rad at its gear's output and 1 ohm, at 12 V, on a rotor of 1e-3 kg m^2:
-// its speed without load is 12 V / (2 V s/rad) = 6 rad/s, half of that under half of its stall torque of
-// 24 N m. The time constant I R / k^2 of 0.25 ms is below or about all steps, and long past after half a
-// second: what is left is the law itself, which no step changes. The bound is that of the other motors' tests.
+// A motor of 2 N m/A and 2 V s/rad at its gear's output and 1 ohm, at 12 V, on a rotor of 1e-3 kg
+// m^2: its speed without load is 12 V / (2 V s/rad) = 6 rad/s, half of that under half of its stall
+// torque of 24 N m. The time constant I R / k^2 of 0.25 ms is below or about all steps, and long
+// past after half a second: what is left is the law itself, which no step changes. The bound is
+// that of the other motors' tests.
 TEST_CASE("a DC motor's speed does not depend on the step", "[motors]") {
   ModelBuilder builder;
   builder.model.physics.gravity = Vec3::Zero();
@@ -34,8 +36,8 @@ TEST_CASE("a DC motor's speed does not depend on the step", "[motors]") {
       sim.drive(motor).kd = kDamping;
     }
     sim.drive(3) = constant_effort(-12.0);
-    // Its current's bound is 3/4 of the stall torque, against which it turns at 1/4 of its speed: a load
-    // of 2/3 of that it takes at 1/2.
+    // Its current's bound is 3/4 of the stall torque, against which it turns at 1/4 of its speed: a
+    // load of 2/3 of that it takes at 1/2.
     sim.drive(2).max_effort = 18.0;
     sim.drive(4) = constant_effort(-12.0);
     sim.run(0.5, dt);
@@ -52,9 +54,10 @@ TEST_CASE("a DC motor's speed does not depend on the step", "[motors]") {
   }
 }
 
-// Twelve equal limbs on a heavy trunk in space, each with a servo and a load that alternates, so that
-// the trunk stays at rest: at rest a limb is off its target by load / kp, whatever the others do. The
-// slowest of the poles, kd / kp = 50 ms, has decayed by exp(-60) after 3 s; the loads' error is rounding.
+// Twelve equal limbs on a heavy trunk in space, each with a servo and a load that alternates, so
+// that the trunk stays at rest: at rest a limb is off its target by load / kp, whatever the others
+// do. The slowest of the poles, kd / kp = 50 ms, has decayed by exp(-60) after 3 s; the loads'
+// error is rounding.
 TEST_CASE("twelve motors of one tree hold their gains", "[motors]") {
   // In steps of 2 ms damping stops a limb of 0.01 kg m^2 in 2.5 of them, or in a twentieth of one.
   const double stiffness = GENERATE(1.0, 50.0);
@@ -85,9 +88,9 @@ TEST_CASE("twelve motors of one tree hold their gains", "[motors]") {
   }
 }
 
-// A servo whose gains would stop its axis in a ten-thousandth of a step, and a bound that turns it by
-// 0.02 rad in one: it goes at its bound to where kp and kd balance, and from there in with kd / kp = 20 ms,
-// of which half a second leaves exp(-25) of 0.3 rad.
+// A servo whose gains would stop its axis in a ten-thousandth of a step, and a bound that turns it
+// by 0.02 rad in one: it goes at its bound to where kp and kd balance, and from there in with kd /
+// kp = 20 ms, of which half a second leaves exp(-25) of 0.3 rad.
 TEST_CASE("a stiff servo with a bound arrives", "[motors]") {
   for (const double target : {0.3, -0.31, 1e-3}) {
     ModelBuilder builder;
@@ -136,8 +139,9 @@ TEST_CASE("gains that cannot be held are said", "[motors]") {
 }
 
 // A double pendulum that swings into its stops, drawn straight and set to where it starts, or drawn
-// there: one motion. Both start from the same numbers but for the rounding of poses, which the stops
-// magnify at most a thousandfold in a second; stops that are hit a step apart would differ by 1e-3.
+// there: one motion. Both start from the same numbers but for the rounding of poses, which the
+// stops magnify at most a thousandfold in a second; stops that are hit a step apart would differ by
+// 1e-3.
 TEST_CASE("where a joint starts does not change its dynamics", "[joints]") {
   const double q[2] = {0.9, -0.7};
   const auto make = [&](bool drawn_at_start) {

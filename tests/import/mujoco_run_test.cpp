@@ -9,8 +9,8 @@ using namespace cogrsim::test;
 
 namespace {
 
-// A trunk on two legs and a slider as a tail, whose feet are on the ground in the keyframe "crouch", far
-// from where the model is drawn.
+// A trunk on two legs and a slider as a tail, whose feet are on the ground in the keyframe
+// "crouch", far from where the model is drawn.
 const char* const kModel = R"(<mujoco model="strider">
   <compiler angle="radian" autolimits="true"/>
   <option timestep="0.002"/>
@@ -73,9 +73,10 @@ const char* const kModel = R"(<mujoco model="strider">
 
 }  // namespace
 
-// Both read one text and take the same steps; what differs is the rounding of a few products of poses and
-// of principal axes, 1e-16. What stands on its feet forgets it or grows it slowly: in half a second, with
-// both feet in contact from the first step, by far less than the factor 1e7 that the bound leaves.
+// Both read one text and take the same steps; what differs is the rounding of a few products of
+// poses and of principal axes, 1e-16. What stands on its feet forgets it or grows it slowly: in
+// half a second, with both feet in contact from the first step, by far less than the factor 1e7
+// that the bound leaves.
 TEST_CASE("a model runs on the mujoco backend as its file does in MuJoCo", "[import][mjcf]") {
   const std::string start = GENERATE("", "crouch");
   const TemporaryFolder folder;

@@ -2,7 +2,8 @@
 //
 //     cogrsim_original FILE [KEYFRAME] [SECONDS]
 //
-// Prints the largest difference, where it is, and what was compared. Exit status: 0 compared, 1 not.
+// Prints the largest difference, where it is, and what was compared. Exit status: 0 compared, 1
+// not.
 #include <cstdio>
 #include <cstdlib>
 

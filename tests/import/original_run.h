@@ -17,9 +17,10 @@ struct OriginalRun {
   int touching = 0;  ///< most contacts in a step
 };
 
-/// Runs the file at `path` for `seconds` in steps of its own, from its keyframe `keyframe` (empty: its
-/// reference pose) with the controls of that, in MuJoCo and as an import, with the same options of the
-/// solver. Errors: MuJoCo cannot read the file; what the import, the compiler or the backend say.
+/// Runs the file at `path` for `seconds` in steps of its own, from its keyframe `keyframe` (empty:
+/// its reference pose) with the controls of that, in MuJoCo and as an import, with the same options
+/// of the solver. Errors: MuJoCo cannot read the file; what the import, the compiler or the backend
+/// say.
 Result<OriginalRun> run_beside_original(const std::string& path, const std::string& keyframe,
                                         double seconds);
 

@@ -8,6 +8,8 @@
 #include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/dsl/schema.h"
 #include "cogrsim/physics/backend.h"
+#include "cogrsim/physics/warnings.h"
+#include "cogrsim/plugin/crash_report.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/refuse.h"
@@ -50,6 +52,12 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
        check_capabilities(*scene.model, name, (*backend)->capabilities())) {
     scene.diagnostics.push_back(std::move(diagnostic));
   }
+  if (std::any_of(scene.diagnostics.begin(), scene.diagnostics.end(), is_error)) return;
+  // What stops a world from being made is for the run to say, which knows all options.
+  const PluginCall call("backend", (*backend)->name(), "", "", "while the world was created");
+  const auto world = (*backend)->create_world(scene.model);
+  if (auto* const said = world ? (*world)->extension<WorldWarnings>() : nullptr)
+    for (Diagnostic& d : said->warnings()) scene.diagnostics.push_back(std::move(d));
 }
 
 }  // namespace

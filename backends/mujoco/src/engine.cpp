@@ -13,9 +13,9 @@ void on_error(const char* message) {
   throw EngineError(message);
 }
 
-/// Called by MuJoCo before it looks for forces. Contacts that bounce have a solref with next to no
-/// damping, and by it friction would not act on what slides: its rows get the damping of contacts that
-/// do not bounce, whose solref our models have in options that are unused without the flag `override`.
+/// Called by MuJoCo before it looks for forces. The solref of contacts that bounce has next to no
+/// damping, by which friction would not act on what slides: its rows get the damping of others,
+/// whose solref our models have in options that are unused without the flag `override`.
 void keep_friction(const mjModel* m, mjData* d) {
   const mjtNum* const usual = m->opt.o_solref;
   for (int i = 0; i < (m->opt.o_margin < 0 ? d->ncon : 0); ++i) {

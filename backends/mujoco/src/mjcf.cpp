@@ -337,8 +337,8 @@ void Writer::write_equality(int j) {
   }
 }
 
-// A tendon whose length is that of the joint less ratio times that of the others, held at the offset:
-// MuJoCo takes off the length that it has in the reference, where all are zero.
+// A tendon whose length is that of the joint less ratio times that of the others, held at the
+// offset: MuJoCo takes off its length in the reference, where all are zero.
 void Writer::write_couplings() {
   for (std::size_t k = 0; k < scene_.couplings.size(); ++k) {
     const Coupling& it = scene_.couplings[k];
@@ -402,7 +402,8 @@ Result<std::string> Writer::write() {
   write_couplings();
   write_actuators();
   const Surfaces surfaces = choose_surfaces(scene_, out_.options, surface_geoms_);
-  // Its compiler makes a step, for which its own rule gives derivatives by the speeds too little stack.
+  // Its compiler makes a step, for which its own rule gives derivatives by the speeds too little
+  // stack.
   const double stack = out_.options.implicit ? 2e4 + 120.0 * std::pow(double(size()) + 1.0, 2) : -1;
   return fmt::format(
       "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n"

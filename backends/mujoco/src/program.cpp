@@ -94,11 +94,9 @@ void complete_model(Program& out) {
   }
   if (out.kinematic.empty()) return;
   // The solver's tolerance goes by the mean inertia: that of what is moved by forces.
-  double sum = 0.0;
-  int count = 0;
+  double sum = 0.0, count = 0.0;
   for (int i = 0; i < m.nv; ++i) {
-    const int b = out.owners[m.dof_bodyid[i]];
-    if (scene.bodies[b].kind == BodyKind::kinematic) continue;
+    if (scene.bodies[out.owners[m.dof_bodyid[i]]].kind == BodyKind::kinematic) continue;
     sum += m.dof_M0[i];
     ++count;
   }
@@ -115,17 +113,20 @@ Result<> find_crowds(Program& out) {
   const auto data = make_data(m);  // in the reference configuration
   if (!data) return tl::unexpected(data.error());
   for (const auto find : {mj_kinematics, mj_comPos, mj_crb, mj_factorM}) find(&m, data->get());
-  const auto dof_of = [&](int actuator) { return m.jnt_dofadr[m.actuator_trnid[2 * actuator]]; };
+  std::vector<int> dofs;
+  for (std::size_t i = 0; i < out.actuators.size(); ++i) {
+    const int a = out.actuators[i];
+    if (a >= 0 && may_have_gain(*out.scene, out.scene->motors[i]))
+      dofs.push_back(m.jnt_dofadr[m.actuator_trnid[2 * a]]);
+  }
   std::vector<double> column(m.nv);
-  for (int i = 0; i < m.nu; ++i) {
+  for (const int i : dofs) {
     std::fill(column.begin(), column.end(), 0.0);
-    column[dof_of(i)] = 1.0;
+    column[i] = 1.0;
     mj_solveM(&m, data->get(), column.data(), column.data(), 1);
-    double& crowd = out.crowds[dof_of(i)] = 0.0;
-    for (int k = 0; k < m.nu; ++k) {
-      const double own = m.dof_invweight0[dof_of(i)] * m.dof_invweight0[dof_of(k)];
-      crowd += std::abs(column[dof_of(k)]) / std::sqrt(own);
-    }
+    out.crowds[i] = 0.0;
+    for (const int k : dofs)
+      out.crowds[i] += std::abs(column[k]) / std::sqrt(m.dof_invweight0[i] * m.dof_invweight0[k]);
   }
   return {};
 }

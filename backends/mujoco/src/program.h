@@ -17,8 +17,8 @@
 
 namespace cogrsim::mujoco {
 
-/// A joint where its coordinates are zero, as it was drawn: MuJoCo's reference configuration, in which
-/// inverse masses are taken wherever a run starts.
+/// A joint where its coordinates are zero, as it was drawn: MuJoCo's reference configuration, in
+/// which inverse masses are taken wherever a run starts.
 struct Reference {
   Pose X_PC;              ///< child's body in the parent's
   bool attached = false;  ///< to bodies that were there before: closed like a loop, not in a tree
@@ -42,8 +42,8 @@ struct Program {
   std::vector<int> bodies;            ///< MuJoCo's, by body; 0: a part of the world; -1: not there
   std::vector<int> owners;            ///< the other way round; -1: the world
   std::vector<int> free_qpos, free_dof;  ///< by body, of those with a free joint; -1: none
-  /// By body, origin of MuJoCo's frame in the scene's, same axes: a body without joints is held by its
-  /// centre of mass, whose path MuJoCo's integrator has exact.
+  /// By body, origin of MuJoCo's frame in the scene's, same axes: a body without joints is held by
+  /// its centre of mass, whose path MuJoCo's integrator has exact.
   std::vector<Vec3> origins;
   std::vector<TreeJoint> joints;
   std::vector<int> followed;   ///< joints whose coordinates are found from the bodies' poses
@@ -58,8 +58,8 @@ struct Program {
 using ProgramPtr = std::shared_ptr<const Program>;
 
 /// Writes `program`'s scene in MuJoCo's language, and into it what is decided by that: which joints
-/// make trees, which body has a geom. Everything is named by its kind and index. Errors: what MuJoCo
-/// cannot have.
+/// make trees, which body has a geom. Everything is named by its kind and index. Errors: what
+/// MuJoCo cannot have.
 Result<std::string> write_mjcf(Program& program);
 
 /// `poses`: of all bodies now; `references`: of the joints that were there before; `attached`: new

@@ -143,8 +143,8 @@ double MujocoWorld::speed_of(std::size_t actuator) const {
 
 double MujocoWorld::response_of(int dof) const {
   const mjModel& m = *model_;
-  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree. The
-  // response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
+  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree.
+  // The response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
   std::vector<double>& y = scratch_;
   y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
   for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[k] = 0.0;

@@ -53,8 +53,8 @@ class MujocoWorld final : public World,
   MujocoWorld() = default;
   /// A copy of `program`'s model to step, and data for it. The world is as it was when it fails.
   Result<> adopt(const ProgramPtr& program);
-  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of MuJoCo's
-  /// own rule.
+  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of
+  /// MuJoCo's own rule.
   Result<> make_room(double contacts, double stack);
   Result<> change_to(const SceneModelPtr& next, SceneStep step);
 

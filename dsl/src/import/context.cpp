@@ -146,7 +146,7 @@ std::string quoted_name(const XmlElement& element) {
 std::size_t work_of(const XmlElement& element) {
   std::size_t bytes = element.name.size() + element.text.size();
   for (const auto& [key, value] : element.attributes) bytes += key.size() + value.size();
-  return 1000 + 200 * element.attributes.size() + 16 * bytes;
+  return 1500 + 400 * element.attributes.size() + 16 * bytes;
 }
 
 Context::Context(const std::string& path, const ImportOptions& given)

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kLongestText = 1u << 20;
 constexpr std::size_t kLongestList = 100000;
-constexpr std::size_t kWorkOfEntry = 64;  // of a list
-constexpr std::size_t kWorkOfStep = 25;   // of an operation
+constexpr std::size_t kWorkOfEntry = 128;  // of a list
+constexpr std::size_t kWorkOfStep = 25;    // of an operation
 
 const char* kind_of(const PyValue& v) {
   static const char* const kKinds[] = {"None",   "a boolean", "a number",    "a number",
@@ -627,7 +627,7 @@ std::string PyValue::text(const PyScope& scope) const {
       return out + "}";
     }
     void add(std::string& out, const std::string& entry) const {
-      scope.spend(entry.size());
+      scope.spend(kWorkOfStep + entry.size());
       out += entry;
       if (out.size() > kLongestText) throw PyError{"a text grows too long"};
     }
@@ -669,7 +669,7 @@ PyValue literal(const std::string& text) {
 PyValue parse_yaml(const std::string& text, const PyScope& scope) {
   // An alias names what stands elsewhere, and aliases of aliases grow without end.
   if (text.size() > (1u << 20)) throw PyError{"the YAML file has more than 1 MB"};
-  scope.spend(64 * text.size());  // slow to parse
+  scope.spend(256 * text.size());  // slow to parse
   try {
     std::size_t left = 100000;
     return from_yaml(YAML::Load(text), scope, 0, left);

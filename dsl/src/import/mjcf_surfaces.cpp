@@ -69,9 +69,10 @@ MjcfReader::Surface MjcfReader::Surface::with(const Surface& other) const {
 }
 
 int MjcfReader::surface_index(const Surface& surface) {
-  const auto known = std::find(surfaces_.begin(), surfaces_.end(), surface) - surfaces_.begin();
-  if (static_cast<std::size_t>(known) == surfaces_.size()) surfaces_.push_back(surface);
-  return static_cast<int>(known);
+  const auto known = std::find(surfaces_.begin(), surfaces_.end(), surface);
+  const auto index = static_cast<int>(known - surfaces_.begin());
+  if (known == surfaces_.end()) surfaces_.push_back(surface);
+  return index;
 }
 
 int MjcfReader::surface(const XmlElement& source, const XmlElement& e) {

@@ -347,7 +347,7 @@ class SceneWriter {
     const HeightField& field = *g.heights;
     std::string attributes = fmt::format(" size=\"{} {}\"", g.size[0], g.size[1]), text;
     auto pay = [&, paid = std::size_t{0}]() mutable {
-      context_.spend(4 * (text.size() - paid), s.at);
+      context_.spend(20 + 4 * (text.size() - paid), s.at);
       paid = text.size();
     };
     // Rows of a scene begin at the lowest y, those of a file at the highest.

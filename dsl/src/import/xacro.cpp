@@ -19,9 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostElements = 250000;
-constexpr int kMostDepth = 120;              // calls inside calls
-constexpr std::size_t kMostCalls = 1000000;  // also of macros that make nothing
+constexpr int kMostDepth = 120;  // calls inside calls
 constexpr int kMostLevels =
     1500;  // elements, blocks and calls inside each other: a matter of the stack
 constexpr std::size_t kMostText = 1u << 20;
@@ -283,9 +281,6 @@ class Xacro {
     context_.spend(work_of(e), e.at);
     if (e.name.compare(0, 6, "xacro:") == 0)
       return directive(e, e.name.substr(6), to, frame, prefix);
-    if (++elements_ > kMostElements)
-      context_.refuse(e.at, "CG1402",
-                      fmt::format("xacro makes more than {} elements", kMostElements));
     auto out = std::make_unique<XmlElement>();
     out->name = e.name;
     out->at = e.at;
@@ -471,7 +466,6 @@ class Xacro {
       refuse(e, fmt::format("there is no macro '{}'", name.substr(0, 60)),
              near.empty() ? "" : fmt::format("did you mean <xacro:{}>?", near));
     }
-    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("macros call each other more than {} deep", kMostDepth));
@@ -546,7 +540,6 @@ class Xacro {
     const Property* p = find(frame, "*" + name);
     if (p == nullptr && !prefix.empty()) p = find(frame, "*" + prefix + name);
     if (p == nullptr || p->block == nullptr) refuse(e, fmt::format("there is no block '{}'", name));
-    count_call(e);
     if (++depth_ > kMostDepth)
       context_.refuse(e.at, "CG1402",
                       fmt::format("blocks hold each other more than {} deep", kMostDepth));
@@ -585,14 +578,6 @@ class Xacro {
   std::map<std::string, PyValue> yaml_;            // by path
   std::map<std::string, std::string> defaults_;    // of arguments
   std::vector<std::unique_ptr<XmlElement>> kept_;  // elements that macros point into
-  std::size_t elements_ = 0;
-  void count_call(const XmlElement& e) {
-    if (++calls_ > kMostCalls)
-      context_.refuse(e.at, "CG1402",
-                      fmt::format("macros and blocks are used more than {} times", kMostCalls));
-  }
-
-  std::size_t calls_ = 0;
   int depth_ = 0, level_ = 0, text_level_ = 0;
 };
 

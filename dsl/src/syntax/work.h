@@ -7,7 +7,7 @@ namespace cogrsim::dsl {
 
 /// All that may be read and computed for a scene with its imports and assets, in units of some
 /// nanoseconds: a byte of a number is 2, a byte of a text or an expression 16, an entry of a list 64,
-/// an element of a model 1000. The content of a repeat or a macro counts each time; a file counts
+/// an element of a model 1500. The content of a repeat or a macro counts each time; a file counts
 /// only for what is made of it beyond its own size.
 inline constexpr std::size_t kMostWork = std::size_t{512} << 20;
 

@@ -16,8 +16,8 @@ struct BodyTrees {
   std::vector<std::vector<int>> children;
 };
 
-/// Grows trees from the world, then from static and kinematic bodies, then from the first body of what
-/// hangs on neither. `left_out(j)` says of which joints besides loops no tree is made.
+/// Grows trees from the world, then from static and kinematic bodies, then from the first body of
+/// what hangs on neither. `left_out(j)` says of which joints besides loops no tree is made.
 template <class LeftOut>
 BodyTrees grow_body_trees(const SceneModel& scene, const LeftOut& left_out) {
   const std::size_t count = scene.bodies.size();

@@ -8,9 +8,9 @@
 
 namespace cogrsim {
 
-/// Extension of a World, "cogrsim.warnings/1" (see World::extension): elements that the engine has, and
-/// whose values it cannot hold, such as gains too stiff for the step. Simulation::create() reports them
-/// beside those of check_capabilities(), before the run.
+/// Extension of a World, "cogrsim.warnings/1" (see World::extension): elements that the engine has,
+/// and whose values it cannot hold, such as gains too stiff for the step. Simulation::create()
+/// reports them beside those of check_capabilities(), before the run.
 class WorldWarnings {
  public:
   static constexpr std::string_view kId = "cogrsim.warnings/1";
