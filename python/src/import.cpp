@@ -1,6 +1,7 @@
 // Robots from and to other formats.
 #include "cogrsim/dsl/export_model.h"
 #include "cogrsim/dsl/import_model.h"
+#include "cogrsim/dsl/loader_catalog.h"
 
 #include <filesystem>
 
@@ -50,6 +51,8 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
       {"velocity", dsl::ImportDrives::velocity}};
   options.drives = chosen("drives", drives, kinds);
   const std::string file = path_of(path);
+  dsl::LoaderCatalog catalog;
+  options.plugins = &catalog;
   auto result = std::make_shared<dsl::ImportResult>([&] {
     const Unlock unlock;
     return dsl::import_model(file, options);

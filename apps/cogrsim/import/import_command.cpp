@@ -216,6 +216,8 @@ int import_command(const ImportCommandOptions& options) {
   auto without = lacking(loader, options.engines);
   if (!without) return refuse(without.error());
   import.without = std::move(*without);
+  dsl::LoaderCatalog catalog(loader);
+  import.plugins = &catalog;
   StatusLine progress;
   import.decomposing = [&](const std::string& mesh) {
     if (progress.shown()) progress.show("import: decomposing " + one_line(mesh));
@@ -244,7 +246,6 @@ int import_command(const ImportCommandOptions& options) {
   if (const auto written = dsl::write_beside(import.scene_folder, result.files, output_rules());
       !written)
     return refuse(written.error());
-  dsl::LoaderCatalog catalog(loader);
   dsl::CompileOptions compile;
   compile.plugins = &catalog;
   const auto compiled = [&] { return dsl::compile_text(result.scene, output.string(), compile); };

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/dsl/import_model.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "common/output_file.h"
 #include "common/refuse.h"
 
@@ -253,6 +254,8 @@ Result<std::string> Start::imported(const std::string& name, const std::string& 
   if (const auto there = existing(name); !there) return there;
   dsl::ImportOptions options;
   options.scene_folder = fs::weakly_canonical(options_.folder, error).string();
+  dsl::LoaderCatalog catalog;
+  options.plugins = &catalog;
   dsl::ImportResult result = dsl::import_model(source.string(), options);
   if (result.scene.empty()) {
     for (const Diagnostic& d : result.diagnostics)

@@ -27,6 +27,20 @@ bool is_foreign_model(std::string_view text) {
   return false;
 }
 
+namespace {
+
+void leave_out_engines(import::Context& context, import::RobotModel& robot) {
+  if (context.options.plugins == nullptr || robot.of_mujoco.empty()) return;
+  const auto names = context.options.plugins->names(PluginKind::backend);
+  if (std::find(names.begin(), names.end(), "mujoco") != names.end()) return;
+  for (const auto& [key, value] : robot.of_mujoco)
+    context.left_out({}, fmt::format("<mujoco {}=\"{}\">", key, value),
+                     "the engine MuJoCo is not installed");
+  robot.of_mujoco.clear();
+}
+
+}  // namespace
+
 ImportResult import_model(const std::string& path, const ImportOptions& options) {
   using namespace import;
   Context context(path, options);
@@ -75,6 +89,7 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     const std::size_t parts = robot.links.size() + robot.joints.size() + robot.loops.size();
     context.spend(2 * parts * (parts + robot.no_contact.size()), root->at);
     leave_out_features(context, robot);
+    leave_out_engines(context, robot);
     square_axes(context, robot);
     repair_inertias(context, robot);
     weld(context, robot);

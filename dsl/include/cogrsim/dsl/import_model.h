@@ -88,6 +88,9 @@ struct ImportOptions {
   /// Called with the name of each mesh before it is decomposed, which may take seconds.
   std::function<void(const std::string&)> decomposing;
   Limits limits;
+  /// Not owned: which engines there are. Settings of one that is not there are left out, as a scene
+  /// cannot have them. nullptr: all are there.
+  PluginCatalog* plugins = nullptr;
   /// Not owned: the work that may still be done for the scene that imports the model. nullptr: the
   /// model has all that a scene may take for itself.
   std::size_t* work = nullptr;
