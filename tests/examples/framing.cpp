@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "cogrsim/dsl/compiler.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/geometry/convex.h"
 #include "cogrsim/rendering/framing.h"
 #include "cogrsim/rendering/standard_view.h"
@@ -60,9 +61,12 @@ int main(int argc, char** argv) {
     std::fputs("usage: cogrsim_examples_framing SCENE [SECONDS]\n", stderr);
     return 2;
   }
-  const dsl::CompileResult scene = dsl::compile_file(argv[1], {});
-  if (!scene.ok()) give_up(scene.diagnostics);
   const auto loader = std::make_shared<PluginLoader>();
+  dsl::LoaderCatalog catalog(loader);
+  dsl::CompileOptions options;
+  options.plugins = &catalog;
+  const dsl::CompileResult scene = dsl::compile_file(argv[1], options);
+  if (!scene.ok()) give_up(scene.diagnostics);
   auto simulation = Simulation::create(scene.model, {}, loader);
   if (!simulation) give_up(simulation.error());
   const double most = argc > 2 ? std::atof(argv[2]) : 20.0;
