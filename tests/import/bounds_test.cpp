@@ -456,3 +456,21 @@ TEST_CASE("meshes that multiply are bounded", "[bounds]") {
   };
   for (const Hostile& hostile : constructs) check(hostile);
 }
+
+TEST_CASE("convex parts of a small mesh are found in bounded time", "[bounds]") {
+  const std::string bumpy = bumpy_obj(38);
+  Hostile hostile = {
+      "a bumpy mesh as 64 convex parts",
+      {{"r.urdf", with_meshes(1, [](int) { return "filename=\"m.obj\""; })}, {"m.obj", bumpy}}};
+  Hostile many = {
+      "many small meshes as 64 convex parts",
+      {{"r.urdf", with_meshes(60, [](int i) { return "filename=\"m" + text(i) + ".obj\""; })}}};
+  for (int i = 0; i < 60; ++i) many.files.emplace_back("m" + text(i) + ".obj", bumpy_obj(6));
+  for (const Hostile& each : {hostile, many})
+    check(each, [&](TemporaryFolder& folder) {
+      dsl::ImportOptions options;
+      options.convex_parts = 64;
+      options.scene_folder = folder.path.string();
+      return !dsl::import_model(folder / "r.urdf", options).scene.empty();
+    });
+}

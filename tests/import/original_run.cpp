@@ -10,6 +10,7 @@
 
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/dsl/import_model.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/plugin/loader.h"
 #include "cogrsim/simulation/simulation.h"
 
@@ -24,7 +25,7 @@ struct Free {
 
 std::string tail(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-/// The options of the file's solver, which no scene has.
+/// The options of the file's solver.
 Parameters options_of(const mjModel& m) {
   Parameters out;
   const char* const integrators[] = {"Euler", "RK4", "implicit"};
@@ -41,7 +42,8 @@ Parameters options_of(const mjModel& m) {
 
 /// The import, with the controls that the original starts with.
 Result<SceneModelPtr> imported(const std::string& path, const std::string& keyframe,
-                               const mjModel& m, const mjData& d) {
+                               const mjModel& m, const mjData& d,
+                               const std::shared_ptr<PluginLoader>& loader) {
   dsl::ImportOptions options;
   options.keyframe = keyframe;
   options.floor = false;
@@ -49,8 +51,11 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
   options.scene_folder = std::filesystem::absolute(path).parent_path().string();
   const dsl::ImportResult read = dsl::import_model(path, options);
   if (read.scene.empty()) return fail("import: " + dsl::to_text(read.diagnostics));
+  dsl::LoaderCatalog catalog(loader);
+  dsl::CompileOptions compile;
+  compile.plugins = &catalog;
   const dsl::CompileResult compiled =
-      dsl::compile_text(read.scene, options.scene_folder + "/imported.scene.xml");
+      dsl::compile_text(read.scene, options.scene_folder + "/imported.scene.xml", compile);
   if (!compiled.ok()) return fail("the imported scene: " + dsl::to_text(compiled.diagnostics));
   auto model = std::make_shared<SceneModel>(*compiled.model);
   for (Motor& motor : model->motors) {
@@ -61,7 +66,8 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
     }
   }
   model->physics.step = m.opt.timestep;
-  model->physics.engine_options["mujoco"] = options_of(m);
+  // Those that the import has itself stay.
+  model->physics.engine_options["mujoco"].merge(options_of(m));
   return SceneModelPtr(std::move(model));
 }
 
@@ -78,11 +84,12 @@ Result<OriginalRun> run_beside_original(const std::string& path, const std::stri
     if (key < 0) return fail("there is no keyframe '" + keyframe + "'");
     mj_resetDataKeyframe(m.get(), d.get(), key);
   }
-  const auto model = imported(path, keyframe, *m, *d);
+  const auto loader = std::make_shared<PluginLoader>();
+  const auto model = imported(path, keyframe, *m, *d, loader);
   if (!model) return tl::unexpected(model.error());
   SimulationOptions options;
   options.backend = "mujoco";
-  auto simulation = Simulation::create(*model, options, std::make_shared<PluginLoader>());
+  auto simulation = Simulation::create(*model, options, loader);
   if (!simulation) return tl::unexpected(to_error(*first_error(simulation.error())));
 
   OriginalRun out;

@@ -214,7 +214,7 @@ TEST_CASE("an included SDF has the axes of its own version", "[sdf]") {
         "</model></sdf>",
         "m.sdf");
     REQUIRE(in.model);
-    const Vec3 axis = in.body("front_leaf").X_WB.q * in.joint("front_j").X_CM.q * Vec3::UnitZ();
+    const Vec3 axis = in.body("m_front_leaf").X_WB.q * in.joint("m_front_j").X_CM.q * Vec3::UnitZ();
     CHECK((axis - (up ? Vec3(0, 0, 1) : Vec3(0, -1, 0))).norm() < 1e-9);
   }
 }

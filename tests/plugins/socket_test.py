@@ -129,7 +129,7 @@ class Socket(unittest.TestCase):
     def test_one_client_for_engines_one_after_the_other(self):
         path = self.scene(CONNECT)
         text = path.read_text(encoding="utf-8").replace(
-            "</scene>", '<test name="holds"><expect that="robot.pivot.position" above="0.3 rad"/></test></scene>')
+            "</scene>", '<test name="holds"><expect that="robot.pivot.position gt 0.3 rad"/></test></scene>')
         path.write_text(text, encoding="utf-8")
         other = subprocess.Popen([sys.executable, str(EXAMPLE / "client.py")], cwd=self.folder,
                                  stdout=subprocess.DEVNULL)

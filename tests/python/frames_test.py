@@ -143,7 +143,7 @@ class Sensors(Case):
       <lidar name="lidar" on="cart" rays="3" fov="20 deg" range="1 cm .. 5 m"/>
       <contact name="contact" on="cart"/>
       <force-torque name="load" joint="elbow"/>
-      <camera name="camera" on="cart" xyz="11 0 0 cm" resolution="16 12" depth="true"/>
+      <camera name="camera" on="cart" xyz="11 0 0 cm" resolution="16 12" fov="10 deg" depth="true"/>
     </scene>"""
 
     def test_names_as_in_cpp(self):

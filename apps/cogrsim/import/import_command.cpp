@@ -146,7 +146,7 @@ std::string tried(const std::string& engine, const SceneModelPtr& model, const L
 /// Which installed engines run the scene, and the first reason of each that does not.
 void print_engines(const SceneModelPtr& model, const Loader& loader) {
   // Some engines take minutes to add many bodies; large meshes may take longer.
-  double seconds = 3.0;
+  double seconds = 2.0;
   for (const MeshPtr& mesh : model->meshes)
     seconds += 1e-5 * static_cast<double>(mesh->triangles.size());
   for (const std::string& name : installed_backends(loader)) {

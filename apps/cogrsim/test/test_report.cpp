@@ -84,10 +84,11 @@ std::string failure_text(const TestCase& one, const TestCommandOptions& options)
     if (!verdict["passed"].get<bool>()) out += indented(verdict["text"].get<std::string>());
   for (const Json& file : one.result["recordings"])
     out += "  recording: " + file.get<std::string>() + "\n";
-  if (options.out.empty()) out += "  no recording: --out DIR keeps one of each failed case\n";
+  if (options.out.empty() && !one.backends.empty())
+    out += "  no recording: --out DIR keeps one of each failed case\n";
   if (one.result.contains("unrecorded"))
     out += indented("no recording: " + one.result["unrecorded"].get<std::string>());
-  return out + "  again: " + again(one, options) + "\n";
+  return out + "  again: " + one_line(again(one, options)) + "\n";
 }
 
 std::string junit_text(const std::vector<TestCase>& cases) {

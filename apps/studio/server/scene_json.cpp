@@ -12,8 +12,8 @@ namespace cogrsim::studio {
 namespace {
 
 /// A plane has no end: it is drawn so many times as large as the rest of the scene, and at least so
-/// large [m]; the page lets it fade into the sky long before.
-constexpr double kPlaneShare = 400.0, kPlaneLeast = 4000.0;
+/// large [m]. The page draws one without a texture as far as one sees.
+constexpr double kPlaneShare = 8.0, kPlaneLeast = 40.0;
 
 /// Short in text, exact enough to be drawn [m].
 double shortened(double v) { return std::round(v * 1e6) / 1e6; }

@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Steps of finding convex parts: a second for a model, and ten for each MB of its meshes.
-constexpr std::size_t kStepsOfModel = 1'000'000'000, kStepsOfByte = 10'000;
+// Steps of finding convex parts, each some 6 ns: 0.3 s for a model, and 2 s for 100 kB of its meshes.
+constexpr std::size_t kStepsOfModel = 50'000'000, kStepsOfByte = 3000;
 
 class SceneWriter {
  public:

@@ -407,8 +407,8 @@ ConvexParts convex_parts(const TriangleMesh& mesh, const ConvexPartsOptions& opt
   parts.push_back(std::move(whole));
   std::vector<bool> whole_again(1, false);  // no plane cuts it
   while (parts.size() < 2 * most && most > 1 && total(parts) > allowed) {
-    // Uniting parts again takes as long as cutting them.
-    out.cut_short = grid.steps() > options.steps / (parts.size() < most ? 1 : 2);
+    // Uniting parts again takes longer than cutting them.
+    out.cut_short = grid.steps() > options.steps / (parts.size() < most ? 1 : 4);
     if (out.cut_short) break;
     std::size_t worst = parts.size();
     for (std::size_t i = 0; i < parts.size(); ++i)

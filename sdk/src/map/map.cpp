@@ -184,7 +184,19 @@ std::vector<Fan> fans_of(const SceneModel& model, const std::vector<SensorRay>& 
     fan.outline.push_back(ray.to.head<2>());
   }
   std::vector<Fan> sorted;
-  for (auto& [sensor, fan] : fans) sorted.push_back(std::move(fan));
+  for (auto& [sensor, fan] : fans) {
+    // The last ray of a full turn is beside the first one; otherwise the lidar is a corner.
+    std::vector<Eigen::Vector2d>& outline = fan.outline;
+    const auto bearing = [&](std::size_t i) {
+      return std::atan2(outline[i].y() - outline[0].y(), outline[i].x() - outline[0].x());
+    };
+    const auto between = [&](std::size_t i, std::size_t j) {
+      return std::abs(std::remainder(bearing(j) - bearing(i), 2.0 * kPi));
+    };
+    if (outline.size() > 3 && between(outline.size() - 1, 1) < 1.5 * between(1, 2))
+      outline.erase(outline.begin());
+    sorted.push_back(std::move(fan));
+  }
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const Fan& a, const Fan& b) { return a.height < b.height; });
   return sorted;

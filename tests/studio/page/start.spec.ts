@@ -60,7 +60,7 @@ test("a file is opened, and is among the recent ones at the next start", async (
 });
 
 test("a robot of the library and an example are opened from copies in the folder", async ({ page }) => {
-  await page.getByRole("button", { name: "Two wheel" }).click();
+  await page.getByRole("button", { name: "Two wheel", exact: true }).click();
   await opened(page);
   expect(readFileSync(join(folder, "two_wheel.scene.xml"), "utf8")).toContain("robots/two_wheel/two_wheel.scene.xml");
 });

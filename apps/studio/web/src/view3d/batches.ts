@@ -18,7 +18,7 @@ import {
   type Texture,
 } from "three";
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
-import { writeMatrix, scaledMatrix } from "./pose";
+import { compose, inverse, isFinite, poseAt, scaledMatrix, transform, writeMatrix } from "./pose";
 import { edgeLines, edgeMaterial, fading, kDarkFloor, kFloorOrder, outlined } from "./surfaces";
 import { box, cylinder, edgesOf, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
 
@@ -278,6 +278,21 @@ export class Batches {
       if (!(mesh instanceof InstancedMesh)) continue;
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
+    }
+  }
+
+  /** Floors without a texture reach as far as one sees from around `target`, and no farther: the depths of larger ones
+   *  would be off by more than what stands on them. */
+  spreadFloors(poses: ArrayLike<number>, target: Vec3, extent: number): void {
+    for (const { body, shape, mesh, index } of this.items) {
+      if (shape.type !== "plane" || shape.texture || index < 0 || this.options.ghost) continue;
+      const pose = compose(poseAt(poses, body), shape.pose);
+      if (!isFinite(pose)) continue;
+      const [x, y] = transform(inverse(pose), target);
+      const matrix = scaledMatrix(compose(pose, [x, y, 0, 1, 0, 0, 0]), [2 * extent, 2 * extent, 1]);
+      const many = mesh as InstancedMesh;
+      many.instanceMatrix.array.set(matrix, 16 * index);
+      many.instanceMatrix.needsUpdate = true;
     }
   }
 

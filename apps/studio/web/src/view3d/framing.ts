@@ -88,10 +88,12 @@ export class Framing {
     this.adopt(visible);
   }
 
-  /** A frame of the run. Back at its start everything is shown as at first. */
-  follow(scene: Scene, poses: ArrayLike<number>, time: number): void {
-    if (time < this.time && time <= 0) this.reset(visibleBounds(scene, poses));
-    this.time = time;
+  /** A frame of the run; `time` null: there is none yet. Back at its start everything is shown as at first. */
+  follow(scene: Scene, poses: ArrayLike<number>, time: number | null): void {
+    if (time !== null) {
+      if (time < this.time && time <= 0) this.reset(visibleBounds(scene, poses));
+      this.time = time;
+    }
     const now = movingBounds(scene, poses, this.start);
     if (now && this.shown) {
       const next = followed(this.shown, now, this.moving);

@@ -39,6 +39,10 @@ export function fadeFloors(far: number): void {
 export const kFloorOrder = -6;
 export function fading(material: MeshLambertMaterial): void {
   material.transparent = true;
+  // drawn behind what is opaque and before the grid, which lies in it
+  material.depthWrite = false;
+  // both sides in one go
+  material.forceSinglePass = true;
   material.onBeforeCompile = (shader) => {
     shader.uniforms.fade = fade;
     shader.fragmentShader = after("#include <common>", shader.fragmentShader, "uniform vec2 fade;");

@@ -263,7 +263,7 @@ export class View3d {
       const first = !this.bounds;
       this.bounds = visibleBounds(scene, poses);
       if (first) this.framing.adopt(this.bounds);
-      this.framing.follow(scene, poses, frame?.time ?? 0);
+      this.framing.follow(scene, poses, frame?.time ?? null);
       this.lights?.fit(this.bounds ?? kNothing);
     }
     const followed = this.studio.state.followed.peek();
@@ -326,7 +326,10 @@ export class View3d {
           this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
       }
       this.eye.adjust(this.bounds);
-      fadeFloors(this.eye.camera.far);
+      const { far } = this.eye.camera;
+      fadeFloors(far);
+      const { x, y, z } = this.eye.controls.target;
+      this.batches?.spreadFloors(this.poses, [x, y, z], far);
       this.backdrop.follow(this.eye.camera, this.eye.controls.target);
       this.painter.draw(this.stage, this.eye, this.highlight, this.relight);
       this.labels.update(overlays.names.peek(), this.poses, this.eye.camera, this.width, this.height);
