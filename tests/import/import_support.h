@@ -31,6 +31,7 @@ struct Imported {
   dsl::ImportOptions options;
   dsl::ImportResult result;
   SceneModelPtr model;
+  dsl::PluginCatalog* plugins = nullptr;  ///< not owned; what settings of engines are checked with
 
   /// Imports `text` and compiles the scene; `model` is empty where that fails.
   void read(const std::string& text, const std::string& name = "robot.urdf") {
@@ -40,7 +41,10 @@ struct Imported {
     for (const dsl::ImportedFile& file : result.files) folder.write(file.name, file.bytes);
     model.reset();
     if (result.scene.empty()) return;
-    const dsl::CompileResult compiled = dsl::compile_text(result.scene, folder / "robot.scene.xml");
+    dsl::CompileOptions compile;
+    compile.plugins = plugins;
+    const dsl::CompileResult compiled =
+        dsl::compile_text(result.scene, folder / "robot.scene.xml", compile);
     INFO(result.scene);
     INFO(dsl::to_text(compiled.diagnostics));
     CHECK(compiled.ok());

@@ -248,14 +248,15 @@ TEST_CASE("sensors of frames are poses of sites and bodies", "[mjcf]") {
 
 TEST_CASE("what is said of MuJoCo's contacts and solver is said to that engine", "[mjcf]") {
   Imported in;
-  in.read(R"(<mujoco><option cone="elliptic" impratio="10" timestep="0.001"/>
+  // Compiled by programs, which know the engine.
+  in.result = dsl::import_model(
+      in.folder.write("m.xml", R"(<mujoco><option cone="elliptic" impratio="10" timestep="0.001"/>
     <default><geom solref="0.01 1" margin="0.002"/></default><worldbody><geom type="plane" size="1 1 1" margin="0"/>
     <body><freejoint/><geom size="0.1"/></body>
     <body pos="1 0 0"><freejoint/><geom size="0.1" priority="1" solimp="0.5 1 0.01"/></body>
     <body pos="2 0 0"><joint name="j" range="-1 1" solreflimit="0.03 1" frictionloss="1"/><geom size="0.1"/></body>
-    </worldbody></mujoco>)",
-          "m.xml");
-  REQUIRE(in.model);
+    </worldbody></mujoco>)"),
+      in.options);
   CHECK(in.result.scene.find("<physics step=\"0.001 s\">\n    <mujoco cone=\"elliptic\" "
                              "impratio=\"10\" solref=\"0.01 1\" solimp=\"0.5 1 0.01 0.5 2\" "
                              "margin=\"0.002\" solreflimit=\"0.03 1\"/>") != std::string::npos);

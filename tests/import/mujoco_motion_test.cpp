@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/simulation/simulation.h"
 #include "judge_support.h"
 
@@ -19,6 +20,8 @@ struct Free {
 /// Largest difference of a pose of a body that both have after `seconds`, see difference().
 double difference_after(Imported& in, const std::string& text, double seconds,
                         const std::string& keyframe = {}) {
+  dsl::LoaderCatalog catalog;
+  in.plugins = &catalog;
   in.options.keyframe = keyframe;
   in.read(text, "model.xml");
   REQUIRE(in.model);
@@ -113,9 +116,9 @@ TEST_CASE("joints and drives of MJCF move as in MuJoCo", "[judge][motion]") {
            R"(<option gravity="0 0 -9.81"><flag gravity="disable"/></option><worldbody>
            <body name="arm"><joint name="j" axis="0 1 0" damping="1"/><geom size="0.1" pos="0.3 0 0"/></body></worldbody>
            <actuator><motor joint="j" ctrllimited="true" ctrlrange="0.4 2"/></actuator>)"},
-      Case{"no springs and dampers",
+      Case{"no springs",
            R"(<option><flag passive="disable" actuation="disable"/></option><worldbody>
-           <body name="arm"><joint name="j" axis="0 1 0" damping="1" stiffness="9" springref="50"/>
+           <body name="arm"><joint name="j" axis="0 1 0" stiffness="9" springref="50"/>
            <geom size="0.1" pos="0.3 0 0"/></body></worldbody>
            <actuator><position joint="j" kp="90"/></actuator>)"});
   INFO(c.name);
@@ -150,7 +153,8 @@ TEST_CASE("contacts are as hard as in MuJoCo, where one setting says it", "[judg
       <geom type="capsule" size="0.03" fromto="0 0 0 0.05 0 -0.3"/></body>)";
   Imported in;
   const std::string text =
-      model(std::string(option) + "<default><geom " + geom + R"(/></default><worldbody>
+      model(std::string(option) + "<compiler angle=\"radian\"/><default><geom " + geom +
+            R"(/></default><worldbody>
       <geom type="plane" size="5 5 1"/><body name="trunk" pos="0 0 0.335"><joint name="z" type="slide" axis="0 0 1"/>
       <joint name="x" type="slide" axis="1 0 0"/><joint name="y" axis="0 1 0"/>
       <geom type="box" size="0.3 0.2 0.05"/>
