@@ -132,8 +132,9 @@ TEST_CASE("buffers of glTF are in the text or in files below its folder", "[dsl]
   CHECK_FALSE(large);
   // A scene names what it read, for those who pack it.
   folder.write("meshes/body.gltf", in_file("data/my%20body.bin"));
-  const CompileResult scene = compile_text(
-      "<scene version=\"1\"><mesh file=\"meshes/body.gltf\"/></scene>", folder / "scene.scene.xml");
+  const CompileResult scene =
+      compile_text("<scene version=\"1\"><mesh file=\"meshes/body.gltf\" static=\"true\"/></scene>",
+                   folder / "scene.scene.xml");
   INFO(to_text(scene.diagnostics));
   REQUIRE(scene.ok());
   CHECK(std::count(scene.files_read.begin(), scene.files_read.end(),
