@@ -9,14 +9,14 @@ using namespace cogrsim::test;
 
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kMjcf =
     "<mujoco model=\"m\"><compiler angle=\"degree\"/>"
     "<default><default class=\"light\"><geom density=\"100\"/></default></default><worldbody>";
 
 /// The scene of a model, without its first lines, which name the source.
 std::string scene_of(const std::string& world, const std::string& rest = {}) {
   Imported in;
-  in.read(kHead + world + "</worldbody>" + rest + "</mujoco>", "m.xml");
+  in.read(kMjcf + world + "</worldbody>" + rest + "</mujoco>", "m.xml");
   REQUIRE(in.model);
   return in.result.scene;
 }
@@ -78,7 +78,7 @@ TEST_CASE("what is in a frame of MJCF is where its pose puts it", "[mjcf][frames
 TEST_CASE("a replicate of MJCF has copies along its path, with what refers to them",
           "[mjcf][frames]") {
   Imported in;
-  in.read(std::string(kHead) + R"(
+  in.read(std::string(kMjcf) + R"(
     <replicate count="4" offset="1 0 0" euler="0 0 90" sep="-">
       <body name="leg" pos="0 0 1">
         <joint name="hip" axis="1 0 0"/>
@@ -106,7 +106,7 @@ TEST_CASE("a replicate of MJCF has copies along its path, with what refers to th
 TEST_CASE("replicates in replicates have both suffixes, with as many digits as the count",
           "[mjcf][frames]") {
   Imported in;
-  in.read(std::string(kHead) + R"(
+  in.read(std::string(kMjcf) + R"(
     <replicate count="10" offset="0 1 0" sep="_">
       <replicate count="2" offset="1 0 0" sep="_">
         <body name="b"><freejoint/><geom size="0.1"/></body>
@@ -121,7 +121,7 @@ TEST_CASE("replicates in replicates have both suffixes, with as many digits as t
 TEST_CASE("a replicate without end is refused", "[mjcf][frames]") {
   Imported in;
   const auto with = [&](const std::string& attributes, const std::string& inside) {
-    in.read(std::string(kHead) + "\n<replicate " + attributes + ">" + inside +
+    in.read(std::string(kMjcf) + "\n<replicate " + attributes + ">" + inside +
                 "</replicate></worldbody></mujoco>",
             "m.xml");
   };
@@ -223,10 +223,11 @@ TEST_CASE("sums beyond all numbers are refused", "[urdf]") {
 TEST_CASE("a range of an actuator bounds it only if it is one, and is not switched off", "[mjcf]") {
   Imported in;
   const auto with = [&](const std::string& attributes) {
-    in.read("<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"0.1\"/></body></worldbody>"
-            "\n<actuator><motor joint=\"j\" " +
-                attributes + "/></actuator></mujoco>",
-            "m.xml");
+    in.read(
+        "<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"0.1\"/></body></worldbody>"
+        "\n<actuator><motor joint=\"j\" " +
+            attributes + "/></actuator></mujoco>",
+        "m.xml");
   };
   with("forcerange=\"-3 2\"");
   REQUIRE(in.model);

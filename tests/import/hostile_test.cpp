@@ -4,15 +4,11 @@
 using namespace cogrsim;
 using namespace cogrsim::test;
 
-namespace {
-const std::string kHead = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
-}
-
 TEST_CASE("macros that call each other without end are refused", "[hostile]") {
   Imported in;
-  in.read(kHead + "<xacro:macro name=\"m\"><xacro:m/></xacro:macro><xacro:m/></robot>");
+  in.read(kXacroHead + "<xacro:macro name=\"m\"><xacro:m/></xacro:macro><xacro:m/></robot>");
   CHECK(in.refuses("CG1402", "deep"));
-  std::string nested = kHead;
+  std::string nested = kXacroHead;
   for (int i = 0; i < 10000; ++i)
     nested += "<xacro:macro name=\"m" + std::to_string(i) + "\"><xacro:m" + std::to_string(i + 1) +
               "/></xacro:macro>\n";
@@ -22,7 +18,7 @@ TEST_CASE("macros that call each other without end are refused", "[hostile]") {
 
 TEST_CASE("a macro that doubles at each level is refused", "[hostile]") {
   Imported in;
-  std::string text = kHead + "<xacro:macro name=\"m0\"><link name=\"x\"/></xacro:macro>\n";
+  std::string text = kXacroHead + "<xacro:macro name=\"m0\"><link name=\"x\"/></xacro:macro>\n";
   for (int i = 1; i < 40; ++i) {
     const std::string inner = "<xacro:m" + std::to_string(i - 1) + "/>";
     text +=
@@ -34,15 +30,15 @@ TEST_CASE("a macro that doubles at each level is refused", "[hostile]") {
 
 TEST_CASE("texts and lists do not grow without end", "[hostile]") {
   Imported in;
-  std::string text = kHead + "<xacro:property name=\"a0\" value=\"xxxxxxxxxxxxxxxx\"/>\n";
+  std::string text = kXacroHead + "<xacro:property name=\"a0\" value=\"xxxxxxxxxxxxxxxx\"/>\n";
   for (int i = 1; i < 60; ++i)
     text += "<xacro:property name=\"a" + std::to_string(i) + "\" value=\"${a" +
             std::to_string(i - 1) + " + a" + std::to_string(i - 1) + "}\"/>\n";
   in.read(text + "<link name=\"${a59}\"/></robot>");
   CHECK(in.refuses("CG1411", "grow"));
-  in.read(kHead + "<link name=\"${" + std::string(50000, '(') + "}\"/></robot>");
+  in.read(kXacroHead + "<link name=\"${" + std::string(50000, '(') + "}\"/></robot>");
   CHECK(in.refuses("CG1411", "nested too deep"));
-  in.read(kHead + "<link name=\"${2**2**2**2**2**2}\"/></robot>");
+  in.read(kXacroHead + "<link name=\"${2**2**2**2**2**2}\"/></robot>");
   CHECK(in.refuses("CG1411", "not a finite number"));
 }
 
@@ -50,7 +46,7 @@ TEST_CASE("files that include each other are refused", "[hostile]") {
   Imported in;
   in.folder.write("b.xacro",
                   "<robot xmlns:xacro=\"x\"><xacro:include filename=\"robot.urdf\"/></robot>");
-  in.read(kHead + "<xacro:include filename=\"b.xacro\"/></robot>");
+  in.read(kXacroHead + "<xacro:include filename=\"b.xacro\"/></robot>");
   CHECK(in.refuses("CG1402", "cycle"));
 }
 
@@ -64,7 +60,7 @@ TEST_CASE("bombs of YAML are refused", "[hostile]") {
     bomb += "]\n";
   }
   in.folder.write("bomb.yaml", bomb);
-  in.read(kHead + "<link name=\"${len(xacro.load_yaml('bomb.yaml'))}\"/></robot>");
+  in.read(kXacroHead + "<link name=\"${len(xacro.load_yaml('bomb.yaml'))}\"/></robot>");
   CHECK(in.refuses("CG1411", "100000 values"));
 }
 
@@ -170,7 +166,7 @@ TEST_CASE("files outside the model's folder are not read", "[hostile]") {
   Imported in;
   in.folder.write("secret.yaml", "key: 1\n");
   in.folder.write("secret.xml", "<mujoco/>");
-  in.read(kHead + "<link name=\"${xacro.load_yaml('../secret.yaml')['key']}\"/></robot>",
+  in.read(kXacroHead + "<link name=\"${xacro.load_yaml('../secret.yaml')['key']}\"/></robot>",
           "robot/r.urdf");
   CHECK(in.refuses("CG1411", "lies outside", 2));
   in.read("<mujoco>\n<include file=\"../secret.xml\"/></mujoco>", "robot/m.xml");
@@ -239,7 +235,7 @@ TEST_CASE("names of meshes and models lead to no file outside", "[hostile]") {
       "</include></model></sdf>",
       "robot/m.sdf");
   CHECK(in.reports(kLeftOut, "include '../secret.sdf'", "lies outside"));
-  in.folder.write("secret.xacro", kHead + "</robot>");
-  in.read(kHead + "<xacro:include filename=\"../secret.xacro\"/></robot>", "robot/r.urdf");
+  in.folder.write("secret.xacro", kXacroHead + "</robot>");
+  in.read(kXacroHead + "<xacro:include filename=\"../secret.xacro\"/></robot>", "robot/r.urdf");
   CHECK(in.refuses("CG1411", "lies outside", 2));
 }

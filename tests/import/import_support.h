@@ -15,6 +15,10 @@
 
 namespace cogrsim::test {
 
+/// How a URDF with macros begins.
+inline const std::string kXacroHead =
+    "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
+
 /// The number, or number `i` of the list, that a sensor has under a name.
 inline double parameter(const SensorModel& s, const char* name, std::size_t i = 0) {
   INFO(name);

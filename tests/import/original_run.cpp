@@ -23,7 +23,7 @@ struct Free {
   void operator()(mjData* d) const { mj_deleteData(d); }
 };
 
-std::string tail(const std::string& name) { return name.substr(name.rfind('.') + 1); }
+std::string own_name(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
 /// The options of the file's solver.
 Parameters options_of(const mjModel& m) {
@@ -59,7 +59,7 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
   if (!compiled.ok()) return fail("the imported scene: " + dsl::to_text(compiled.diagnostics));
   auto model = std::make_shared<SceneModel>(*compiled.model);
   for (Motor& motor : model->motors) {
-    const std::string joint = tail(model->joints[std::size_t(motor.joint)].name);
+    const std::string joint = own_name(model->joints[std::size_t(motor.joint)].name);
     for (int a = 0; a < m.nu; ++a) {
       const char* const there = mj_id2name(&m, mjOBJ_JOINT, m.actuator_trnid[2 * a]);
       if (m.actuator_trntype[a] == mjTRN_JOINT && there && joint == there) motor.target = d.ctrl[a];
@@ -101,12 +101,12 @@ Result<OriginalRun> run_beside_original(const std::string& path, const std::stri
     const char* const name = mj_id2name(m.get(), mjOBJ_JOINT, j);
     if (m->jnt_type[j] == mjJNT_FREE) {
       for (std::size_t b = 0; body && b < (*model)->bodies.size(); ++b)
-        if (tail((*model)->bodies[b].name) == body) bases[std::size_t(j)] = static_cast<int>(b);
+        if (own_name((*model)->bodies[b].name) == body) bases[std::size_t(j)] = static_cast<int>(b);
       continue;
     }
     if (m->jnt_type[j] == mjJNT_BALL) continue;
     for (const Joint& joint : (*model)->joints)
-      if (name && tail(joint.name) == name && position_count(joint.type) == 1)
+      if (name && own_name(joint.name) == name && position_count(joint.type) == 1)
         joints[std::size_t(j)] = &joint;
     ++(joints[std::size_t(j)] ? out.joints : out.missing);
   }

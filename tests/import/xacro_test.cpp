@@ -5,7 +5,6 @@ using namespace cogrsim::test;
 
 namespace {
 
-const std::string kHead = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
 const std::string kBox =
     "<xacro:macro name=\"mass\" params=\"m:=1\"><inertial><mass value=\"${m}\"/>"
     "<inertia ixx=\"${m/12}\" iyy=\"${m/12}\" izz=\"${m/12}\"/></inertial></xacro:macro>\n";
@@ -14,7 +13,7 @@ const std::string kBox =
 
 TEST_CASE("properties, macros, blocks, conditions and expressions", "[xacro]") {
   Imported in;
-  in.read(kHead + kBox + R"(
+  in.read(kXacroHead + kBox + R"(
     <xacro:property name="n" value="3"/>
     <xacro:property name="twice" value="${2*n}"/>
     <xacro:property name="table" value="${dict()}"/>
@@ -44,7 +43,7 @@ TEST_CASE("files are included and YAML is read", "[xacro]") {
   in.folder.write("config/sizes.yaml",
                   "masses:\n  base: 4.5\n  list: [1, 2, 3]\nangle: !degrees 90\n");
   in.options.arguments["size"] = "7";
-  in.read(kHead + R"x(
+  in.read(kXacroHead + R"x(
     <xacro:arg name="size" default="1"/>
     <xacro:include filename="parts/legs.xacro"/>
     <xacro:arg name="folder" default="config"/>
@@ -54,7 +53,8 @@ TEST_CASE("files are included and YAML is read", "[xacro]") {
   REQUIRE(in.model);
   CHECK(in.body("base").mass == Approx(13.5));
   // No variable of the environment is set for a model: $(optenv …) has its default.
-  in.read(kHead + kBox + "<link name=\"b\"><xacro:mass m=\"$(optenv HOME 3)\"/></link></robot>");
+  in.read(kXacroHead + kBox +
+          "<link name=\"b\"><xacro:mass m=\"$(optenv HOME 3)\"/></link></robot>");
   REQUIRE(in.model);
   CHECK(in.body("b").mass == 3.0);
 }
@@ -62,7 +62,7 @@ TEST_CASE("files are included and YAML is read", "[xacro]") {
 TEST_CASE("what is wrong in a xacro file is reported at its line", "[xacro]") {
   Imported in;
   const auto fails = [&](const std::string& text, const std::string& message, int line) {
-    in.read(kHead + kBox + text + "</robot>");
+    in.read(kXacroHead + kBox + text + "</robot>");
     INFO(text);
     for (const Diagnostic& d : in.result.diagnostics)
       INFO(d.line << ": " << d.message << "; " << d.help);

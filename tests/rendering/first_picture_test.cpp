@@ -14,10 +14,6 @@
 namespace cogrsim::test {
 namespace {
 
-int difference(const Rgb& a, const Rgb& b) {
-  return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
-}
-
 Rgb seen(const Picture& picture, const Camera& camera, const Vec3& point) {
   const Eigen::Vector2d projected = project(camera, point);
   return pixel(picture, static_cast<int>(projected.x()), static_cast<int>(projected.y()));

@@ -20,9 +20,6 @@ RenderRequest illustrated(const Camera& camera) {
 }
 
 int sum(const Rgb& c) { return c.r + c.g + c.b; }
-int difference(const Rgb& a, const Rgb& b) {
-  return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
-}
 
 /// The darkest of the 3 x 3 pixels around a point of the world.
 int darkest(const Picture& picture, const Camera& camera, const Vec3& point) {

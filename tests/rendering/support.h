@@ -1,6 +1,7 @@
 // Scenes and cameras for the tests of pictures.
 #pragma once
 
+#include <cstdlib>
 #include <functional>
 #include <string>
 
@@ -34,6 +35,10 @@ int count_body(const Picture& picture, int body);
 struct Rgb {
   int r = 0, g = 0, b = 0;
 };
+/// Sum over the three of how far they are apart.
+inline int difference(const Rgb& a, const Rgb& b) {
+  return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
+}
 Rgb pixel(const Picture& picture, int column, int row);
 float depth_at(const Picture& picture, int column, int row);
 int body_at(const Picture& picture, int column, int row);
