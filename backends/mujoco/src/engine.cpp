@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <new>
 
 namespace cogrsim::mujoco {
@@ -27,11 +28,10 @@ void keep_friction(const mjModel* m, mjData* d) {
     const mjtNum missing = std::max(0.0, wanted - d->efc_KBIP[4 * it.efc_address + 1]);
     mjtNum* const aref = d->efc_aref + it.efc_address;
     const mjtNum* const vel = d->efc_vel + it.efc_address;
+    const bool elliptic = d->efc_type[it.efc_address] == mjCNSTR_CONTACT_ELLIPTIC;
     for (int k = 0; k + 1 < it.dim; ++k) {
-      if (d->efc_type[it.efc_address] == mjCNSTR_CONTACT_ELLIPTIC) {
-        aref[k + 1] -= missing * vel[k + 1];
-        continue;
-      }
+      if (elliptic) aref[k + 1] -= missing * vel[k + 1];
+      if (elliptic) continue;
       const mjtNum slip = (vel[2 * k] - vel[2 * k + 1]) / 2;  // times the friction
       aref[2 * k] -= missing * slip;
       aref[2 * k + 1] += missing * slip;
@@ -47,6 +47,11 @@ void install_handlers() {
   mju_user_error = on_error;
   mju_user_warning = on_warning;
   mjcb_control = keep_friction;
+  // The program may use MuJoCo after this library has been unloaded.
+  static const std::shared_ptr<void> installed(nullptr, [](void*) {
+    mju_user_error = mju_user_warning = nullptr;
+    mjcb_control = nullptr;
+  });
 }
 
 Result<ModelOwner> compile(const std::string& mjcf) {
