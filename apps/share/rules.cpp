@@ -21,7 +21,7 @@ struct RoleRow {
 const std::vector<RoleRow>& role_table() {
   static const std::vector<RoleRow> table = {
       {Role::scene, "scene", {".xml"}},
-      {Role::import, "import", {".xml", ".urdf", ".xacro", ".sdf"}},
+      {Role::import, "import", {".xml", ".urdf", ".xacro", ".sdf", ".yaml", ".yml"}},
       {Role::texture, "texture", {".png", ".jpg", ".jpeg"}},
       {Role::mesh, "mesh", {".obj", ".stl", ".dae", ".gltf", ".glb", ".bin"}},
       {Role::heightmap, "heightmap", {".pgm", ".txt", ".csv", ".dat", ".asc"}},

@@ -120,6 +120,7 @@ Analysis analyse(const std::string& text, const std::string& name, const Compile
     }
   }
   out.result.diagnostics = sink.take();
+  out.result.files_read = files.read();
   return out;
 }
 
