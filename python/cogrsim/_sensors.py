@@ -10,7 +10,10 @@ def _vector(self, first, count):
 
 
 def _number(index):
-    return lambda self: float(self.values[index]) if self.valid else math.nan
+    def get(self):
+        there = self.valid and index < len(self.values)  # volts only with a response
+        return float(self.values[index]) if there else math.nan
+    return get
 
 
 def _triple(first):
