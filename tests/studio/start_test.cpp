@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "../support/temporary_folder.h"
 #include "protocol.h"
 #include "start.h"
 
@@ -20,8 +21,6 @@ namespace {
 /// A folder to start in, with a library and examples beside it.
 struct Place {
   Place() {
-    root = fs::temp_directory_path() / ("cogrsim_start_" + std::to_string(::getpid()));
-    fs::remove_all(root);
     put("work/there.scene.xml", "<scene name=\"there\" version=\"1\"/>");
     put("work/models/cart.urdf",
         R"(<robot name="cart"><link name="base"><visual><geometry><box size="1 1 1"/></geometry>
@@ -31,7 +30,6 @@ struct Place {
         "<scene name=\"c\" version=\"1\"><import href=\"car.scene.xml\"/></scene>");
     put("examples/010_first/first.scene.xml", "<scene name=\"first\" version=\"1\"/>");
   }
-  ~Place() { fs::remove_all(root); }
   void put(const std::string& name, const std::string& text) const {
     fs::create_directories((root / name).parent_path());
     std::ofstream(root / name) << text;
@@ -59,7 +57,8 @@ struct Place {
     if (*answer) CHECK(check_answer(what, **answer));
     return std::move(*answer);
   }
-  fs::path root;
+  test::TemporaryFolder folder;
+  const fs::path& root = folder.path;
   std::string opened;
 };
 
