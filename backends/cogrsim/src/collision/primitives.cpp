@@ -82,12 +82,12 @@ double growth_of_gap(const Collider& a, const Collider& b, const Vec3& n) {
 Separation flush_separation(const Collider& a, const Collider& b, double margin,
                             const Separation& found) {
   constexpr double kFlush = 1e-4;  // faces of which one stands out by less are one [m]
-  constexpr double kClosed =
-      2e-5;  // a gap of less by the end of a step may stop a body (kTouching in rows.cpp) [m]
-  // At the end of the step; one that is still open and only just not closed counts as closed.
+  // A gap of less by the end of a step may stop a body: twice kTouching in rows.cpp [m].
+  constexpr double kClosed = 2e-5;
   const auto gap_along = [&](const Vec3& n) {
     return n.dot(b.X_WS.p - a.X_WS.p) - support_extent(a, n) - support_extent(b, -n);
   };
+  // At the end of the step; one that is still open and only just not closed counts as closed.
   const auto end_of = [&](double gap, const Vec3& n) {
     return gap + growth_of_gap(a, b, n) - (gap > 0.0 ? kClosed : 0.0);
   };
