@@ -413,6 +413,62 @@ TEST_CASE("links that would not be seen show what they collide with", "[urdf][me
   CHECK_FALSE(in.reports(kApproximate, "link 'a'"));
 }
 
+TEST_CASE("links whose meshes cannot be read show the box of their inertia", "[urdf][sdf][mjcf]") {
+  // A box of 0.2 x 0.4 x 0.6 m of 12 kg, which is turned by 45 degrees about z.
+  const Mat3 I = (Mat3() << 0.46, 0.06, 0, 0.06, 0.46, 0, 0, 0, 0.2).finished();
+  struct Case {
+    const char *name, *text;
+  };
+  const Case cases[] = {
+      {"r.urdf", R"(<robot name="r"><link name="a"><inertial><origin xyz="0.1 0 0.2"/>
+        <mass value="12"/><inertia ixx="0.46" ixy="0.06" ixz="0" iyy="0.46" iyz="0" izz="0.2"/>
+        </inertial><visual><geometry><mesh filename="../no.stl"/></geometry></visual>
+        <collision><geometry><mesh filename="../no.stl"/></geometry></collision></link></robot>)"},
+      {"r.sdf", R"(<sdf version="1.9"><model name="r"><link name="a"><inertial>
+        <pose>0.1 0 0.2 0 0 0</pose><mass>12</mass><inertia><ixx>0.46</ixx><ixy>0.06</ixy>
+        <iyy>0.46</iyy><izz>0.2</izz></inertia></inertial><visual name="v"><geometry><mesh>
+        <uri>../no.stl</uri></mesh></geometry></visual></link></model></sdf>)"},
+      {"r.xml", R"(<mujoco model="r"><asset><mesh name="m" file="../no.stl"/></asset><worldbody>
+        <body name="a"><freejoint/><inertial pos="0.1 0 0.2" mass="12"
+        fullinertia="0.46 0.46 0.2 0.06 0 0"/><geom type="mesh" mesh="m"/></body></worldbody>
+        </mujoco>)"}};
+  for (const Case& c : cases) {
+    INFO(c.name);
+    Imported in;
+    in.read(c.text, c.name);
+    REQUIRE(in.model);
+    const Body& a = in.body("a");
+    REQUIRE(a.shapes.size() == 1);
+    const Shape& box = a.shapes[0];
+    CHECK(box.type == ShapeType::box);
+    CHECK(box.visible);
+    CHECK_FALSE(box.collides);
+    CHECK((box.X_BS.p - a.com).norm() < 1e-12);
+    // The box filled evenly has the inertia of the link.
+    const Mat3 Q = box.X_BS.q.toRotationMatrix();
+    const Vec3 squares = box.size.cwiseAbs2();
+    const Vec3 m = Vec3::Constant(squares.sum()) - squares;  // its mass is 12 kg
+    CHECK((Q * m.asDiagonal() * Q.transpose() - I).norm() < 1e-9);
+    CHECK(in.reports(kApproximate, "link 'a'", "the box of the inertia"));
+    // The box stands on the floor that an import has.
+    in.options.floor = true;
+    const dsl::ImportResult placed = dsl::import_model(in.folder / c.name, in.options);
+    CHECK(placed.scene.find("xyz=\"0 0 0.1") != std::string::npos);
+    // The way out is said, and once for all files with the same reason.
+    CHECK(in.reports(kLeftOut, "mesh '../no.stl'", "lies outside of the model's folder"));
+    CHECK(in.reports(kLeftOut, "mesh '../no.stl'", "--package NAME=DIR"));
+    CHECK_FALSE(in.reports(kLeftOut, "mesh", "no.stl"));
+  }
+  // What has no shape by itself, such as a link between two joints, gets none.
+  Imported in;
+  in.read(
+      "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" "
+      "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link></robot>");
+  REQUIRE(in.model);
+  CHECK(in.body("a").shapes.empty());
+}
+
 TEST_CASE("meshes of glTF are seen in their colour and copied whole", "[urdf][mesh]") {
   Imported in;
   // Positions (0 0 0), (1 0 0), (0 1 0) in a file beside the text.

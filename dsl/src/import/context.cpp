@@ -409,6 +409,17 @@ void Context::left_out(const Source& at, std::string element, std::string messag
   add(Fidelity::left_out, at, std::move(element), std::move(message));
 }
 
+void Context::not_read(const Source& at, const std::string& kind, const std::string& href,
+                       const Error& why) {
+  // Without the name, so that the report lists what has the same reason as one.
+  const std::string name = "'" + href + "'";
+  std::string message = why.message;
+  if (const std::size_t found = message.find(name); found != std::string::npos)
+    message.erase(found == 0 ? 0 : found - 1, name.size() + 1);
+  if (!why.hint.empty()) message += "; " + why.hint;
+  left_out(at, kind + " " + name, std::move(message));
+}
+
 void Context::error(const Source& at, std::string code, std::string message, std::string help) {
   failed_ = true;
   if (result.diagnostics.size() >= 100) throw Refused{};

@@ -96,6 +96,9 @@ class Context {
   void exact_unless(const Source& at, std::string element, std::string differs,
                     const std::string& message = {});
   void left_out(const Source& at, std::string element, std::string message);
+  /// Left out, since the file `href` of a `kind` such as "mesh" cannot be read, and the way out.
+  void not_read(const Source& at, const std::string& kind, const std::string& href,
+                const Error& why);
   /// Left out, and the model moves as before.
   void left_aside(const Source& at, std::string element, std::string message) {
     const Aside aside(*this);

@@ -147,6 +147,8 @@ void MjcfReader::part_of_body(const XmlElement& c, const std::string& around, Bo
       parts.masses.push_back(inertia);
       if (shape.geometry.type == Geometry::Type::mesh) parts.mesh = &c;
     }
+    if (shape.geometry.type == Geometry::Type::mesh && shape.geometry.mesh.empty())
+      link.has_lost_shape = true;
     if (made) link.shapes.push_back(std::move(shape));
   } else if (c.name == "site") {
     const Pose X = pose(with_defaults(c, around));

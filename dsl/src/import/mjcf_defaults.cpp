@@ -54,9 +54,10 @@ void MjcfReader::assets(const XmlElement& e) {
         context_.left_out(c->at, quoted_name(*c), "has no file");
         continue;
       }
-      auto path = context_.locate(mesh_dir_.empty() ? *file : mesh_dir_ + "/" + *file, c->at);
+      const std::string href = mesh_dir_.empty() ? *file : mesh_dir_ + "/" + *file;
+      auto path = context_.locate(href, c->at);
       if (!path) {
-        context_.left_out(c->at, quoted_name(*c), path.error().message);
+        context_.not_read(c->at, "mesh", href, path.error());
         continue;
       }
       mesh.path = *path;

@@ -94,12 +94,12 @@ bool MjcfReader::geom_mesh(const XmlElement& source, const std::string* mesh,
   if (kind != "mesh")
     context_.approximate(source.at, what,
                          fmt::format("is the mesh itself, where MuJoCo fits a {} to it", kind));
+  g.type = Geometry::Type::mesh;
   const auto known = mesh == nullptr ? meshes_.end() : meshes_.find(*mesh);
   if (known == meshes_.end()) {
     context_.left_out(source.at, what, "its mesh could not be read");
     return false;
   }
-  g.type = Geometry::Type::mesh;
   g.mesh = known->second.path;
   g.scale = known->second.scale;
   if (g.scale.cwiseAbs().minCoeff() > 0.0) return true;

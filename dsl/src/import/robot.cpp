@@ -333,6 +333,7 @@ class Welding {
     };
     move_all(from.frames, to.frames);
     move_all(from.shapes, to.shapes);
+    to.has_lost_shape |= from.has_lost_shape;
     move_all(from.sensors, to.sensors);
     if (from.inertia) {
       const RobotInertia in_parent = moved(*from.inertia, X);
@@ -551,27 +552,70 @@ void weld(Context& context, RobotModel& robot) {
   check_finite(context, robot);
 }
 
-void show_unseen(Context& context, RobotModel& robot) {
-  const auto is_seen = [&](const RobotShape& s) {
-    return s.visible && (s.geometry.type != Geometry::Type::mesh ||
-                         context.mesh_bounds(s.geometry.mesh).has_value());
-  };
-  constexpr std::size_t kMostNamed = 5;
+namespace {
+
+/// The box that is filled evenly and has this inertia.
+RobotShape box_of_inertia(const RobotInertia& inertia, const Source& at) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia.I);
+  const Vec3& m = solver.eigenvalues();
+  Mat3 V = solver.eigenvectors();
+  V.col(2) *= V.determinant();  // a turn, and no mirror
+  RobotShape out;
+  out.X = {inertia.com, Quat(V).normalized()};
+  out.geometry.size =
+      (6.0 / inertia.mass * (Vec3::Constant(m.sum()) - 2.0 * m)).cwiseMax(1e-6).cwiseSqrt();
+  out.collides = false;
+  out.at = at;
+  return out;
+}
+
+/// The links that an entry of the report is about.
+struct NamedLinks {
   std::string names;
   std::size_t count = 0;
   const RobotLink* first = nullptr;
-  for (RobotLink& l : robot.links) {
-    const bool collides = std::any_of(l.shapes.begin(), l.shapes.end(),
-                                      [](const RobotShape& s) { return s.collides; });
-    if (!collides || std::any_of(l.shapes.begin(), l.shapes.end(), is_seen)) continue;
-    for (RobotShape& s : l.shapes) s.visible = s.visible || s.collides;
-    if (first == nullptr) first = &l;
-    if (++count <= kMostNamed) add_to(names, "'" + l.name + "'", ", ");
+
+  void add(const RobotLink& link) {
+    constexpr std::size_t kMostNamed = 5;
+    if (first == nullptr) first = &link;
+    if (++count <= kMostNamed) add_to(names, "'" + link.name + "'", ", ");
+    rest = count > kMostNamed ? fmt::format(" and {} more", count - kMostNamed) : "";
   }
-  if (count == 0) return;
-  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
-  context.approximate(first->at, fmt::format("{} {}", count == 1 ? "link" : "links", names),
-                      "nothing would be seen: the collision shapes are shown");
+  void report(Context& context, const std::string& message) const {
+    if (count > 0)
+      context.approximate(first->at, (count == 1 ? "link " : "links ") + names + rest, message);
+  }
+
+ private:
+  std::string rest;
+};
+
+}  // namespace
+
+void show_unseen(Context& context, RobotModel& robot) {
+  const auto readable = [&](const RobotShape& s) {
+    return s.geometry.type != Geometry::Type::mesh ||
+           context.mesh_bounds(s.geometry.mesh).has_value();
+  };
+  NamedLinks by_collision, by_inertia;
+  for (RobotLink& l : robot.links) {
+    const auto any = [&](const auto& is) {
+      return std::any_of(l.shapes.begin(), l.shapes.end(), is);
+    };
+    if (any([&](const RobotShape& s) { return s.visible && readable(s); })) continue;
+    if (any([&](const RobotShape& s) { return s.collides && readable(s); })) {
+      for (RobotShape& s : l.shapes) s.visible = s.visible || s.collides;
+      by_collision.add(l);
+    } else if (l.inertia &&
+               (l.has_lost_shape || any([&](const auto& s) { return !readable(s); }))) {
+      l.shapes.push_back(box_of_inertia(*l.inertia, l.at));
+      by_inertia.add(l);
+    }
+  }
+  by_collision.report(context, "nothing would be seen: the collision shapes are shown");
+  by_inertia.report(context,
+                    "the shapes cannot be read: the box of the inertia is shown, which "
+                    "touches nothing");
 }
 
 namespace {

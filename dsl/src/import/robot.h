@@ -111,6 +111,7 @@ struct RobotLink {
   std::vector<RobotShape> shapes;
   std::vector<RobotFrame> frames;
   std::vector<RobotSensor> sensors;
+  bool has_lost_shape = false;  ///< there is one that cannot be read
   bool is_static = false;
   bool is_ground = false;   ///< the world of the source itself
   bool is_scenery = false;  ///< stands around the robot and is no part of it
@@ -279,7 +280,8 @@ void square_axes(Context& context, RobotModel& robot);
 /// which is reported. Limits that leave no freedom become fixed joints first.
 void weld(Context& context, RobotModel& robot);
 
-/// Shows the collision shapes of links of which nothing else is seen, which is reported.
+/// Shows the collision shapes of links of which nothing else is seen, and the box of the inertia of
+/// those whose meshes cannot be read and of which nothing else is left; both are reported.
 void show_unseen(Context& context, RobotModel& robot);
 
 /// Finds the pairs of links that do not touch, by the bits of their shapes and by their models.

@@ -507,7 +507,7 @@ class SdfReader {
       shape.scale = vector(&s, "scale").value_or(Vec3::Ones());
       auto path = context_.locate(text(s, "uri"), s.at);
       if (!path) {
-        context_.left_out(s.at, fmt::format("mesh '{}'", text(s, "uri")), path.error().message);
+        context_.not_read(s.at, "mesh", text(s, "uri"), path.error());
         return false;
       }
       shape.mesh = *path;
@@ -543,7 +543,7 @@ class SdfReader {
     out.visible = visual;
     out.collides = !visual;
     if (e.find("name") != nullptr) out.name = *e.find("name");
-    if (!geometry(e, s, link, out)) return;
+    if (!geometry(e, s, link, out)) return void(link.has_lost_shape = true);
     if (const XmlElement* m = e.child("material")) {
       out.color = color(*m, "diffuse");
       if (!out.color) out.color = color(*m, "ambient");

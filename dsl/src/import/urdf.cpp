@@ -120,9 +120,7 @@ class UrdfReader {
       if (out.scale.cwiseAbs().minCoeff() <= 0.0) return empty_shape(s);
       auto found = context_.locate(*file, s.at);
       if (!found) {
-        context_.left_out(
-            s.at, fmt::format("mesh '{}'", *file),
-            found.error().message + (found.error().hint.empty() ? "" : "; " + found.error().hint));
+        context_.not_read(s.at, "mesh", *file, found.error());
         return std::nullopt;
       }
       out.mesh = *found;
@@ -151,7 +149,7 @@ class UrdfReader {
 
   void shape(const XmlElement& e, RobotLink& link, bool visual) {
     const auto g = geometry(e);
-    if (!g) return;
+    if (!g) return void(link.has_lost_shape = true);
     RobotShape out;
     if (const std::string* name = e.find("name")) out.name = *name;
     out.X = origin(e);

@@ -37,6 +37,7 @@ class SceneWriter {
       link(i);
     }
     body_ = &body;
+    if (extent_.empty()) extent_ = seen_;
     if (context_.options.floor && !context_.options.prototype_only && !robot_.has_ground &&
         !extent_.empty() && std::isfinite(extent_.low[2]))
       lift_ = std::ceil(-extent_.low[2] * 1e4) / 1e4;
@@ -384,17 +385,17 @@ class SceneWriter {
 
   /// Bounds in the shape's frame.
   void extend(const RobotShape& s, const Pose& X, const Bounds& b) {
-    if (!s.collides || b.empty()) return;
-    for (int i = 0; i < 8; ++i)
-      extent_.add(X * Vec3(i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1],
-                           i & 4 ? b.high[2] : b.low[2]));
+    Bounds& of_all = s.collides ? extent_ : seen_;
+    for (int i = 0; i < 8 && !b.empty(); ++i)
+      of_all.add(X * Vec3(i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1],
+                          i & 4 ? b.high[2] : b.low[2]));
   }
 
   /// Half extents along the robot's axes.
   void extend_about(const RobotShape& s, const Vec3& centre, const Vec3& half) {
-    if (!s.collides) return;
-    extent_.add(centre + half);
-    extent_.add(centre - half);
+    Bounds& of_all = s.collides ? extent_ : seen_;
+    of_all.add(centre + half);
+    of_all.add(centre - half);
   }
 
   std::string add_file(const std::string& wanted, std::string bytes) {
@@ -776,7 +777,7 @@ class SceneWriter {
   const RobotModel& robot_;
   RobotStart start_;
   std::string* body_ = nullptr;
-  Bounds extent_;
+  Bounds extent_, seen_;  // of what touches something, and of what is only seen
   double lift_ = 0.0;  // of the model onto its floor [m]
   struct Parts {
     std::vector<std::string> files;
