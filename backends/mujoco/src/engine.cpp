@@ -30,11 +30,10 @@ void keep_friction(const mjModel* m, mjData* d) {
     const mjtNum* const vel = d->efc_vel + it.efc_address;
     const bool elliptic = d->efc_type[it.efc_address] == mjCNSTR_CONTACT_ELLIPTIC;
     for (int k = 0; k + 1 < it.dim; ++k) {
-      if (elliptic) aref[k + 1] -= missing * vel[k + 1];
-      if (elliptic) continue;
-      const mjtNum slip = (vel[2 * k] - vel[2 * k + 1]) / 2;  // times the friction
-      aref[2 * k] -= missing * slip;
-      aref[2 * k + 1] += missing * slip;
+      const int a = elliptic ? k + 1 : 2 * k;
+      const mjtNum slip = elliptic ? vel[a] : (vel[a] - vel[a + 1]) / 2;  // times the friction
+      aref[a] -= missing * slip;
+      if (!elliptic) aref[a + 1] += missing * slip;
     }
   }
 }
@@ -75,11 +74,10 @@ Result<DataOwner> make_data(const mjModel& model) {
   mjData* data = nullptr;
   if (auto made = guarded([&] { data = mj_makeData(&model); }); !made)
     return tl::unexpected(made.error());
-  if (!data) {
+  if (!data)
     return fail("MuJoCo counts the bytes of its matrices in 31 bits, and this scene has " +
                 std::to_string(model.nv) + " degrees of freedom and " +
                 std::to_string(model.njmax) + " constraint rows: more than 2 GB");
-  }
   return DataOwner(data);
 }
 

@@ -85,11 +85,10 @@ Result<Options> read_options(const SceneModel& model) {
   const SourcePosition position = source_position(model, model.physics.origin);
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };
   for (const std::string about : {"", "limit", "friction", "equality"}) {
-    if (!fits_solref(std::get<Numbers>(options->at("solref" + about)))) {
+    if (!fits_solref(std::get<Numbers>(options->at("solref" + about))))
       return fail("'solref" + about + "' must be two numbers, both positive (timeconst, " +
                       "dampratio) or both not positive (-stiffness, -damping)",
                   position);
-    }
     if (std::get<Numbers>(options->at("solimp" + about)).size() != 5)
       return fail("'solimp" + about + "' must be five numbers", position);
   }

@@ -145,13 +145,11 @@ void MujocoWorld::follow() {
 
 void MujocoWorld::put_kept_state() {
   const SceneModel& scene = *program_->scene;
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     if (program_->free_qpos[b] >= 0) put_free(b, kept_.poses[b], kept_.twists[b]);
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
     put_joint(j, kept_.joint_positions.data() + scene.joints[j].position_offset,
               kept_.joint_velocities.data() + scene.joints[j].speed_offset);
-  }
   mju_zero(data_->qacc_warmstart, model_->nv);
   kinematics_ = Kinematics::none;
   follow();
