@@ -201,6 +201,7 @@ TEST_CASE("a scene whose controller's plugin is missing is shown without it", "[
   auto shown = requests.run.shown();
   REQUIRE(shown.size() == 1);
   CHECK(shown[0].model->controllers.empty());
+  CHECK(shown[0].only_shown);
   REQUIRE(shown[0].model->bodies.size() == 2);
   // Elements are those of the text as it is.
   CHECK(shown[0].origins.bodies[0].element == requests.id("box", "a"));
@@ -210,6 +211,7 @@ TEST_CASE("a scene whose controller's plugin is missing is shown without it", "[
   requests.get("sources");
   const std::size_t good = requests.run.shown().size();
   REQUIRE(good == 2);
+  CHECK_FALSE(requests.run.shown()[1].only_shown);
 }
 
 TEST_CASE("a scene that the engine refuses is a problem too", "[document]") {

@@ -257,6 +257,7 @@ void DocumentRequests::show() {
 void DocumentRequests::show(const dsl::OutlinedScene& from) {
   Scene scene;
   scene.model = from.result.model;
+  scene.only_shown = !good_;
   scene.origins.version = version_;
   if (built_) scene.plugin_folders = loader_->folders();
   const auto take = [](const std::vector<dsl::Origin>& given, std::vector<Origins::Origin>& to) {

@@ -234,12 +234,20 @@ void Engine::settle() {
   if (step_reply_) std::exchange(step_reply_, nullptr)(Json::object());
 }
 
-Answer Engine::play() {
+Result<> Engine::may_run() const {
   if (!simulation_)
     return fail("there is no scene yet that can be run", "", "mend what is wrong in it");
-  if (state_ == State::ended) {
+  if (scene_->only_shown)
+    return fail(
+        "the scene is shown without what needs a plugin that is not found, and does not run", "",
+        "build the plugin, or mend its name");
+  if (state_ == State::ended)
     return fail("the run has ended: " + ending_, "", "stop goes back to the start");
-  }
+  return {};
+}
+
+Answer Engine::play() {
+  if (auto good = may_run(); !good) return tl::unexpected(good.error());
   if (simulation_->paused()) simulation_->send(Resume{});
   settle();
   if (state_ != State::playing) anchor();
@@ -277,10 +285,7 @@ Answer Engine::stop(bool then_play) {
 }
 
 void Engine::step(std::int64_t count, Reply reply) {
-  if (!simulation_) return reply(fail("there is no scene yet that can be run"));
-  if (state_ == State::ended) {
-    return reply(fail("the run has ended: " + ending_, "", "stop goes back to the start"));
-  }
+  if (auto good = may_run(); !good) return reply(tl::unexpected(good.error()));
   settle();
   if (simulation_->paused()) simulation_->send(Resume{});
   anchor();

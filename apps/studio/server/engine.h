@@ -79,6 +79,7 @@ class Engine {
   void watch_calls();
   bool run_tasks();
   void settle();
+  Result<> may_run() const;
   /// One step, or the steps to the next common time of both runs. False: the run does not advance.
   bool advance();
   bool within_duration() const;

@@ -34,6 +34,8 @@ struct Scene {
   /// Not empty: plugins were built, and come from these folders from now on (a new PluginLoader with
   /// them; loaded plugins stay loaded beside).
   std::vector<std::string> plugin_folders = {};
+  /// Without what the text names and what is missing: to be looked at, and not to be run.
+  bool only_shown = false;
 };
 
 struct RunOptions {

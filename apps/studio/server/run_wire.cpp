@@ -41,6 +41,9 @@ std::string tail_text(const Frame& frame, Tail wanted) {
     for (const Reading& reading : frame.readings) {
       if (reading.sensor < 0 || !reading.valid) continue;
       readings.push_back({{"sensor", reading.sensor}, {"values", reading.values}});
+      const std::string& type = frame.model->sensors[std::size_t(reading.sensor)].type;
+      if (reading.pose && (type == "infrared" || type == "lidar"))
+        readings.back()["pose"] = to_json(*reading.pose);
     }
   }
   if (wanted.contacts) {

@@ -558,6 +558,8 @@ export interface FrameReading {
   /** index in the scene */
   sensor: number;
   values: (number | null)[];
+  /** of an infrared sensor or lidar in the world when it measured */
+  pose?: Pose;
 }
 
 export interface FrameContact {

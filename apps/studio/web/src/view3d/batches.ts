@@ -281,15 +281,27 @@ export class Batches {
     }
   }
 
-  /** Floors without a texture reach as far as one sees from around `target`, and no farther: the depths of larger ones
-   *  would be off by more than what stands on them. */
+  /** Floors reach as far as one sees from around `target`, and no farther: the depths of larger ones would be off by more
+   *  than what stands on them. A picture on them stays where it is: they move by whole copies of it. */
   spreadFloors(poses: ArrayLike<number>, target: Vec3, extent: number): void {
     for (const { body, shape, mesh, index } of this.items) {
-      if (shape.type !== "plane" || shape.texture || index < 0 || this.options.ghost) continue;
+      if (shape.type !== "plane" || index < 0 || this.options.ghost) continue;
       const pose = compose(poseAt(poses, body), shape.pose);
       if (!isFinite(pose)) continue;
-      const [x, y] = transform(inverse(pose), target);
-      const matrix = scaledMatrix(compose(pose, [x, y, 0, 1, 0, 0, 0]), [2 * extent, 2 * extent, 1]);
+      const at = transform(inverse(pose), target);
+      const scale: Vec3 = [2 * extent, 2 * extent, 1];
+      if (shape.texture) {
+        const { position, uv } = mesh.geometry.attributes as Record<string, BufferAttribute>;
+        for (const axis of [0, 1]) {
+          const tile = shape.tile[axis] || 1;
+          at[axis] = tile * Math.round(at[axis]! / tile);
+          scale[axis] = (2 * extent + tile) / shape.size[axis]!;
+          for (let i = 0; i < position!.count; ++i)
+            uv!.setComponent(i, axis, (scale[axis] * position!.getComponent(i, axis)) / tile);
+        }
+        uv!.needsUpdate = true;
+      }
+      const matrix = scaledMatrix(compose(pose, [at[0], at[1], 0, 1, 0, 0, 0]), scale);
       const many = mesh as InstancedMesh;
       many.instanceMatrix.array.set(matrix, 16 * index);
       many.instanceMatrix.needsUpdate = true;

@@ -47,6 +47,12 @@ test("rays end where readings say, in the world", () => {
   assert.equal(rays[1]!.hit, false);
 });
 
+test("rays start where the sensor was when it measured", () => {
+  const rays = rayEnds(scene, frame([{ sensor: 0, values: [1.5, null], pose: [1, 1, 1, 1, 0, 0, 0] }]));
+  near(rays[0]!.from, [1, 1, 1]);
+  near(rays[0]!.to, [2.5, 1, 1]);
+});
+
 test("a reading of the full range is a miss, one below zero ends at the sensor", () => {
   const rays = rayEnds(scene, frame([{ sensor: 0, values: [5, -0.1] }]));
   assert.deepEqual(

@@ -27,7 +27,9 @@ export function rayEnds(scene: Scene, frame: Frame): Ray[] {
     if (!sensor || (someShown && !sensor.show)) continue;
     if (!kRanging.has(sensor.type) || reading.values.length === 0) continue;
     if (sensor.body >= 0 && 7 * sensor.body + 6 >= frame.poses.length) continue;
-    const pose = sensor.body < 0 ? sensor.pose : compose(poseAt(frame.poses, sensor.body), sensor.pose);
+    // where it measured, if that is known: its body has moved on
+    const now = () => (sensor.body < 0 ? sensor.pose : compose(poseAt(frame.poses, sensor.body), sensor.pose));
+    const pose = reading.pose ?? now();
     if (!isFinite(pose)) continue;
     // the cone of an infrared sensor has one distance, drawn along its middle
     const lines = reading.values.length === 1 ? middleRay(sensor.rays) : sensor.rays;
