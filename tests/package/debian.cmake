@@ -38,7 +38,7 @@ endfunction()
 
 # CPack has no locale, so that what dpkg-shlibdeps prints does not depend on that of the caller.
 unpack(cogrsim "libc6;libstdc.*;libfmt;libeigen3-dev;libexpected-dev"
-  "share/doc/CogRSim/examples/020_stand_alone_plugin/slalom.cpp;bin/cogrsim;lib/libcogrsim.so.0;lib/libcogrsim_dsl.so.0;lib/cogrsim/backends/cogrsim.so;include/cogrsim;share/doc")
+  "lib/cogrsim/examples/020_stand_alone_plugin/slalom.cpp;bin/cogrsim;lib/libcogrsim.so.0;lib/libcogrsim_dsl.so.0;lib/cogrsim/backends/cogrsim.so;include/cogrsim;share/doc")
 if(contents MATCHES "python3/")
   message(SEND_ERROR "the package cogrsim contains the Python module:\n${contents}")
 endif()
