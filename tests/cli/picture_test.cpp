@@ -1,4 +1,5 @@
 // The subcommands that draw, as a user meets them.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -150,6 +151,46 @@ TEST_CASE("a lidar's rays are a pale fan that hides nothing", "[cli][pictures]")
   CHECK(count(plan, [](const std::uint8_t* p, int, int) {
           return p[2] > p[0] + 15 && p[0] > 150;
         }) > 1000);
+}
+
+TEST_CASE("labels stand above what they name, and nothing hides them", "[render]") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("names.scene.xml", R"(<scene name="names" version="1">
+    <plane name="floor"/>
+    <sphere name="ball" radius="0.5" xyz="0 -1.5 0.5"/>
+    <assembly name="tower" xyz="0 1.5 0">
+      <box name="low" size="1 1 1" xyz="0 0 0.5"/> <box name="high" size="1 1 1" xyz="0 0 1.5"/>
+    </assembly>
+  </scene>)");
+  const auto with = [&](const Arguments& more) {
+    Arguments all = {"render",     scene,   "--backend", "toy",     "--at", "0",
+                     "--view",     "front", "--size",    "320x240", "-o",   folder / "names.png",
+                     "--overwrite"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = drawn(all);
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    return picture(folder / "names.png");
+  };
+  const Image bare = with({}), named = with({"--overlay", "labels"});
+  // Columns in which something was written, in each half of the picture, and the lowest row of it.
+  int columns[2] = {0, 0}, lowest[2] = {0, 0};
+  for (int column = 0; column < bare.width; ++column) {
+    bool written = false;
+    const int half = column < bare.width / 2 ? 0 : 1;
+    for (int row = 0; row < bare.height; ++row) {
+      if (std::equal(bare.pixel(column, row), bare.pixel(column, row) + 3,
+                     named.pixel(column, row)))
+        continue;
+      written = true;
+      lowest[half] = std::max(lowest[half], row);
+    }
+    columns[half] += written ? 1 : 0;
+  }
+  CHECK(columns[0] > 10);
+  CHECK(columns[1] > 10);
+  // The tower is twice as high as the ball.
+  CHECK(std::abs(lowest[0] - lowest[1]) > bare.height / 8);
 }
 
 TEST_CASE("maps and films of a scene", "[cli][pictures]") {

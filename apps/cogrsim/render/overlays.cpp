@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/parameter.h"
+#include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_rays.h"
 
 namespace cogrsim::cli {
@@ -16,24 +17,27 @@ constexpr Color kRay{1.0, 0.1, 0.1, 1}, kMiss{1.0, 0.55, 0.55, 0.6}, kContact{1.
 constexpr Color kFan{0.35, 0.6, 0.9, 0.35}, kFanMiss{0.35, 0.6, 0.9, 0.15};
 constexpr Color kAxes[3] = {{0.9, 0.1, 0.1, 1}, {0.1, 0.65, 0.1, 1}, {0.15, 0.3, 0.95, 1}};
 
-// The highest point of a body is not known here; a label stands a little above its origin.
+/// Above all that is seen of a body without an assembly, and of a whole assembly.
 void label_things(const Frame& frame, double size, Overlay& overlay) {
   const SceneModel& model = *frame.model;
-  std::vector<bool> labelled(model.assemblies.size(), false);
+  const auto label = [&](const geometry::Bounds& around, const std::string& text) {
+    if (around.empty()) return;
+    Vec3 at = 0.5 * (around.low + around.high);
+    // So high that the nearer edge does not hide it from one who looks up by 14 degrees.
+    const double half = 0.5 * (around.high - around.low).head<2>().maxCoeff();
+    at.z() = around.high.z() + 0.02 * size + 0.25 * half;
+    overlay.labels.push_back({at, text, {1, 1, 1, 1}});
+  };
+  std::vector<geometry::Bounds> assemblies(model.assemblies.size());
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const Body& body = model.bodies[b];
-    const bool plane = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::plane;
-    if (body.removed || plane) continue;
-    const int assembly = top_level_assembly(model, body.assembly);
-    std::string text = body.name;
-    if (assembly >= 0) {
-      if (labelled[assembly]) continue;
-      labelled[assembly] = true;
-      text = model.assemblies[assembly].name;
-    }
-    overlay.labels.push_back(
-        {frame.state.poses[b].p + Vec3(0, 0, 0.02 * size), text, {1, 1, 1, 1}});
+    const int assembly = top_level_assembly(model, model.bodies[b].assembly);
+    if (assembly >= 0)
+      assemblies[assembly].add(visible_bounds(frame, b));
+    else
+      label(visible_bounds(frame, b), model.bodies[b].name);
   }
+  for (std::size_t a = 0; a < assemblies.size(); ++a)
+    label(assemblies[a], model.assemblies[a].name);
 }
 
 }  // namespace
