@@ -571,7 +571,7 @@ RobotShape box_of_inertia(const RobotInertia& inertia, const Source& at) {
 
 /// The links that an entry of the report is about.
 struct NamedLinks {
-  std::string names;
+  std::string names, rest;
   std::size_t count = 0;
   const RobotLink* first = nullptr;
 
@@ -585,9 +585,6 @@ struct NamedLinks {
     if (count > 0)
       context.approximate(first->at, (count == 1 ? "link " : "links ") + names + rest, message);
   }
-
- private:
-  std::string rest;
 };
 
 }  // namespace
