@@ -100,6 +100,11 @@ class Stepper {
   bool add_free_contacts(const StepContext& context);
   void add_contact(const StepContext& context, std::size_t index, RowBuilder& builder) const;
   const SurfacePair& surface_of(const ContactPoint& point) const;
+  // Rate of the velocity of b's surface against a's, along the normal and the tangents, at a point of points_,
+  // that the speeds make as they are: J' u [m/s^2].
+  Vec3 turning_of(std::size_t index, double h) const;
+  // Of a link's point where it is now, while the mechanism's speeds stay.
+  Vec3 convective_acceleration(int link, const Vec3& point) const;
   // Calls work(number, first, end) for chunks of contacts on all threads; none ends within a pair.
   // Returns their number, the same for any number of threads.
   static constexpr std::size_t kChunk = 128;

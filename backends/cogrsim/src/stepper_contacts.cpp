@@ -171,7 +171,7 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
     };
     const auto rests = [&](std::size_t i) {
       const Row& row = row_of(i);
-      return row.has_gap && row.target == 0.0 && !row.bilateral;
+      return row.has_gap && row.stays && !row.bilateral;
     };
     for (end = first;
          end < last && contacts[end].point.collider_a == contacts[first].point.collider_a &&
@@ -196,7 +196,7 @@ void Stepper::balance_pairs(double h, std::size_t begin, std::size_t last) {
       if (!rests(i)) continue;
       Row& row = row_of(i);
       row.gamma = yield;
-      if (!together) row.target = row.gamma * sum / resting;
+      if (!together) row.target += row.gamma * sum / resting;
       row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
     }
   }
