@@ -231,10 +231,15 @@ Vec3 Stepper::turning_of(std::size_t index, double h) const {
   const Vec3 slip = v - n.dot(v) * n;
   const ContactRates rates =
       find_contact_rates(a, b, point, !same_pair(index - 1) && !same_pair(index + 1),
-                         motion_a.angular, motion_b.angular, slip, h);
-  return convective_acceleration(link_b, point.point) -
-         convective_acceleration(link_a, point.point) + motion_b.angular.cross(rates.on_b) -
-         motion_a.angular.cross(rates.on_a) + rates.normal.dot(slip) * n;
+                         motion_a.angular, motion_b.angular, slip);
+  const Vec3 turning = convective_acceleration(link_b, point.point) -
+                       convective_acceleration(link_a, point.point) +
+                       motion_b.angular.cross(rates.on_b) - motion_a.angular.cross(rates.on_a) +
+                       rates.normal.dot(slip) * n;
+  // A turn of more than a radian in a step is none that a derivative continues.
+  const double turn = h * std::max(motion_a.angular.norm(), motion_b.angular.norm());
+  const double share = 1.0 / (1.0 + turn * turn * turn * turn);
+  return turning.allFinite() && std::isfinite(share) ? Vec3(share * turning) : Vec3::Zero();
 }
 
 const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {

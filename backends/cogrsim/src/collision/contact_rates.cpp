@@ -83,8 +83,8 @@ Surface surface_at(const Collider& c, const Vec3& n, const Eigen::Matrix<double,
 //   w_a = R_a (n' - turn_a x n),  w_b = -R_b (n' - turn_b x n),  w_a - w_b = slip
 // (Montana, The kinematics of contact and grasp, Int. J. Robotics Research 7, 1988, for any two surfaces).
 ContactRates find_contact_rates(const Collider& a, const Collider& b, const ContactPoint& point,
-                                bool alone, const Vec3& turn_a, const Vec3& turn_b, const Vec3& slip,
-                                double h) {
+                                bool alone, const Vec3& turn_a, const Vec3& turn_b,
+                                const Vec3& slip) {
   const Vec3& n = point.normal;
   Eigen::Matrix<double, 2, 3> T;
   const Vec3 t1 = n.unitOrthogonal();
@@ -111,7 +111,6 @@ ContactRates find_contact_rates(const Collider& a, const Collider& b, const Cont
     wa = of_a.R * (rate - na);
     wb = -of_b.R * (rate - nb);
   }
-  (void)h;
   ContactRates out;
   out.normal = T.transpose() * rate;
   out.on_a = T.transpose() * wa;

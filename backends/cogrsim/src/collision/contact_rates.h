@@ -13,9 +13,9 @@ struct ContactRates {
 };
 
 /// `alone`: the pair has no other point. `turn_a`, `turn_b`: angular velocities [rad/s]; `slip`: velocity
-/// of b's surface against a's at the point [m/s]; `h`: step [s].
+/// of b's surface against a's at the point [m/s].
 ContactRates find_contact_rates(const Collider& a, const Collider& b, const ContactPoint& point,
-                                bool alone, const Vec3& turn_a, const Vec3& turn_b, const Vec3& slip,
-                                double h);
+                                bool alone, const Vec3& turn_a, const Vec3& turn_b,
+                                const Vec3& slip);
 
 }  // namespace cogrsim::dynamics

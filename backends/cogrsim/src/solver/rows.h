@@ -41,8 +41,12 @@ struct Row {
       false;  ///< the gap is brought to `gap_target` from either side, within the bounds
   bool bilateral = false;  ///< with l > 0 the gap is brought to `gap_target` from above, too
   bool hits = false;       ///< its impulse is that of an impact
-  bool stays = false;      ///< without the impulses the gap is closed by the end, and it shall not bounce
-  bool deep = false;       ///< joints hold the bodies, which overlap
+  /// Of a contact with restitution: it bounces, or it is open by the end, unless an impact closes it.
+  enum class Impact { none, waits, bounces } impact = Impact::none;
+  double restitution = 0.0;
+  bool stays =
+      false;  ///< without the impulses the gap is closed by the end, and it shall not bounce
+  bool deep = false;  ///< joints hold the bodies, which overlap
   double gap = 0.0;
   double gap_target = 0.0;
   double position_impulse = 0.0;  ///< multiplier of the displacement [N s^2]; before: warm start
