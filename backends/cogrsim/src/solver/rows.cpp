@@ -64,8 +64,9 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   const double end_speed = a.speed + h * a.acceleration;
   const double end_gap = a.gap + 0.5 * h * (a.speed + end_speed);
   // What touches now stays: that it opens without impulses says nothing, friction may turn it down.
-  const bool touches =
-      a.gap <= kTouching && std::abs(a.speed) <= std::min(kTouching / h, kTouchingSpeed);
+  // The step after a hit begins with what J' u made of it, see below.
+  const double slow = std::min(kTouching / h, kTouchingSpeed) + h * std::abs(a.turning);
+  const bool touches = a.gap <= kTouching && std::abs(a.speed) <= slow;
   if (end_gap > kTouching && !touches) {
     row.target = end_speed - 2.0 * end_gap / h - 0.5 * h * a.turning;
     if (a.restitution > 0.0) row.impact = Row::Impact::waits;
