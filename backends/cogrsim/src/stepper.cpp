@@ -40,6 +40,7 @@ void StepMemory::clear() {
   contacts.clear();
   efforts.clear();
   udot.resize(0);
+  mean_udot.resize(0);
   had_rows = false;
 }
 

@@ -44,8 +44,9 @@ struct StepMemory {
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
-  Values udot;                        ///< mean over the last step, impulses included
-  bool had_rows = false;              ///< `udot` and the rest are valid
+  Values udot;       ///< what leads to the next middle of a step, impulses of contacts included
+  Values mean_udot;  ///< over the last step, impulses included; empty: unknown
+  bool had_rows = false;  ///< `udot` and the rest are valid
   void clear();
 };
 
@@ -135,6 +136,7 @@ class Stepper {
   // rolls on one of its rims.
   void balance_pairs(double h, std::size_t first, std::size_t end);
   void remember(double h);
+  void predict_udot(double h);
   struct ContactChunk;
   void remember_contact(double h, std::size_t index, ContactChunk& out) const;
   // Adds the rows' impulses to `impulses` and `records`.
@@ -173,7 +175,7 @@ class Stepper {
   /// (nbody) from where a body is tested for contact to the middle [m]; empty: no body is fast.
   std::vector<Vec3> offsets_;
   Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
-      smooth_q_, smooth_u_;
+      mean_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components
   std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
   std::vector<Wrench> contact_impulses_;              ///< on b, by contact
