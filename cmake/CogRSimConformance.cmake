@@ -8,7 +8,7 @@
 # A VARIANT is the backend with an option of its world set in every scene; its cases are
 # conformance.BACKEND-VARIANT.GROUP. CONFORMANCE_ONLY keeps the backend out of those suites of this repository that cost
 # minutes on each engine (COGRSIM_ENGINES); what is cheap runs on all (COGRSIM_EVERY_ENGINE).
-set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce stack heap pairs terrain
+set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce contact stack heap pairs terrain
   joints limits motors robot momentum determinism runtime kinematic metamorphic reports faults)
 # With the tests that must detect them, the cheap ones of their group.
 set(COGRSIM_CONFORMANCE_MUTATIONS gravity=1.01 damping=0.04 swap-axes=1 friction=0.97

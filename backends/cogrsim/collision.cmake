@@ -12,6 +12,7 @@ set(source ${CMAKE_CURRENT_LIST_DIR}/src)
 add_library(cogrsim_collision STATIC
   ${source}/collision/colliders.cpp
   ${source}/collision/concave.cpp
+  ${source}/collision/contact_rates.cpp
   ${source}/collision/detector.cpp
   ${source}/collision/gjk.cpp
   ${source}/collision/primitives.cpp)

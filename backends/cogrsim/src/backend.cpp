@@ -89,6 +89,7 @@ Result<StepperOptions> read_options(const SceneModel& model, const ParameterTabl
   out.substeps = int(std::get<std::int64_t>(p.at("substeps")));
   out.solver.iterations = int(std::get<std::int64_t>(p.at("iterations")));
   out.solver.tolerance = std::get<double>(p.at("tolerance"));
+  out.solver.bounce_threshold = model.physics.bounce_threshold;
   out.threads = int(std::get<std::int64_t>(p.at("threads")));
   return out;
 }

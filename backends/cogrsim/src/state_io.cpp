@@ -241,6 +241,7 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
   stepper.records = was.records;
   stepper.memory = was.memory;
   stepper.memory.udot = udot;
+  stepper.memory.mean_udot.resize(0);
   if (!carry_udot) stepper.memory.had_rows = false;
   if (!was.memory.efforts.empty()) {
     stepper.memory.efforts.assign(std::size_t(RowBuilder::slot_count(model)), 0.0);

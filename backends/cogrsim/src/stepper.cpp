@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/contact_rates.h"
+
 namespace cogrsim::dynamics {
 namespace {
 
@@ -38,6 +40,7 @@ void StepMemory::clear() {
   contacts.clear();
   efforts.clear();
   udot.resize(0);
+  mean_udot.resize(0);
   had_rows = false;
 }
 
@@ -187,8 +190,57 @@ void Stepper::add_contact(const StepContext& context, std::size_t index,
   const ContactPoint& point = points_[index];
   const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
-  builder.add_contact(context, point, a.body, b.body, surface_of(point), find_contact_line(index),
-                      detector_.surface_velocity(point));
+  const RowBuilder::ContactLine line = find_contact_line(index);
+  const Vec3 turning = turning_of(index, context.h);
+  Vec3 on_line = turning;
+  if (line.other)
+    on_line = 0.5 * (turning + turning_of(std::size_t(line.other - points_.data()), context.h));
+  builder.add_contact(context, point, a.body, b.body, surface_of(point), line,
+                      detector_.surface_velocity(point), turning, on_line);
+}
+
+Vec3 Stepper::convective_acceleration(int index, const Vec3& point) const {
+  if (index < 0) return Vec3::Zero();
+  const Link& link = mechanism_.links()[std::size_t(index)];
+  const LinkMotion& motion = mechanism_.motions()[std::size_t(index)];
+  const auto about = [&](const Vec3& centre) {
+    return motion.angular.cross(motion.angular.cross(point - centre));
+  };
+  if (link.component < 0) return about(motion.X.p);
+  const Component& c = mechanism_.components()[std::size_t(link.component)];
+  if (c.is_free_body) return about(motion.X * link.com);
+  const Spatial& a = c.bias[std::size_t(c.find(index))];
+  return a.linear + a.angular.cross(point - c.origin) +
+         motion.angular.cross(motion.velocity_at(point));
+}
+
+Vec3 Stepper::turning_of(std::size_t index, double h) const {
+  const ContactPoint& point = points_[index];
+  const auto same_pair = [&](std::size_t other) {
+    return other < points_.size() && points_[other].collider_a == point.collider_a &&
+           points_[other].collider_b == point.collider_b;
+  };
+  const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
+  const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
+  const int link_a = mechanism_.body_link(a.body), link_b = mechanism_.body_link(b.body);
+  const auto motion_of = [&](int link) {
+    return link < 0 ? LinkMotion() : mechanism_.motions()[std::size_t(link)];
+  };
+  const LinkMotion motion_a = motion_of(link_a), motion_b = motion_of(link_b);
+  const Vec3& n = point.normal;
+  const Vec3 v = motion_b.velocity_at(point.point) - motion_a.velocity_at(point.point);
+  const Vec3 slip = v - n.dot(v) * n;
+  const ContactRates rates =
+      find_contact_rates(a, b, point, !same_pair(index - 1) && !same_pair(index + 1),
+                         motion_a.angular, motion_b.angular, slip);
+  const Vec3 turning = convective_acceleration(link_b, point.point) -
+                       convective_acceleration(link_a, point.point) +
+                       motion_b.angular.cross(rates.on_b) - motion_a.angular.cross(rates.on_a) +
+                       rates.normal.dot(slip) * n;
+  // A turn of more than a radian in a step is none that a derivative continues.
+  const double turn = h * std::max(motion_a.angular.norm(), motion_b.angular.norm());
+  const double share = 1.0 / (1.0 + turn * turn * turn * turn);
+  return turning.allFinite() && std::isfinite(share) ? Vec3(share * turning) : Vec3::Zero();
 }
 
 const SurfacePair& Stepper::surface_of(const ContactPoint& point) const {

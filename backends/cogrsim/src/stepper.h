@@ -44,8 +44,9 @@ struct StepMemory {
   };
   std::vector<WarmContact> contacts;  ///< in the order of the colliders
   std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
-  Values udot;                        ///< mean over the last step, impulses included
-  bool had_rows = false;              ///< `udot` and the rest are valid
+  Values udot;       ///< what leads to the next middle of a step, impulses of contacts included
+  Values mean_udot;  ///< over the last step, impulses included; empty: unknown
+  bool had_rows = false;  ///< `udot` and the rest are valid
   void clear();
 };
 
@@ -100,6 +101,11 @@ class Stepper {
   bool add_free_contacts(const StepContext& context);
   void add_contact(const StepContext& context, std::size_t index, RowBuilder& builder) const;
   const SurfacePair& surface_of(const ContactPoint& point) const;
+  // Rate of the velocity of b's surface against a's, along the normal and the tangents, at a point of points_,
+  // that the speeds make as they are: J' u [m/s^2].
+  Vec3 turning_of(std::size_t index, double h) const;
+  // Of a link's point where it is now, while the mechanism's speeds stay.
+  Vec3 convective_acceleration(int link, const Vec3& point) const;
   // Calls work(number, first, end) for chunks of contacts on all threads; none ends within a pair.
   // Returns their number, the same for any number of threads.
   static constexpr std::size_t kChunk = 128;
@@ -130,6 +136,7 @@ class Stepper {
   // rolls on one of its rims.
   void balance_pairs(double h, std::size_t first, std::size_t end);
   void remember(double h);
+  void predict_udot(double h);
   struct ContactChunk;
   void remember_contact(double h, std::size_t index, ContactChunk& out) const;
   // Adds the rows' impulses to `impulses` and `records`.
@@ -168,7 +175,7 @@ class Stepper {
   /// (nbody) from where a body is tested for contact to the middle [m]; empty: no body is fast.
   std::vector<Vec3> offsets_;
   Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
-      smooth_q_, smooth_u_;
+      mean_, smooth_q_, smooth_u_;
   std::vector<double> dv_, displacement_;             ///< over all components
   std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
   std::vector<Wrench> contact_impulses_;              ///< on b, by contact

@@ -65,8 +65,7 @@ void Stepper::conserve_momentum(double h) {
     if (untouched_[std::size_t(end.component)]) continue;
     const FreeMomentum& start = start_momenta_[i];
     Vec3 linear = start.linear + h * end.load - end.linear;
-    Vec3 angular =
-        start.angular + 0.5 * h * (start.load_moment + end.load_moment) - end.angular;
+    Vec3 angular = start.angular + 0.5 * h * (start.load_moment + end.load_moment) - end.angular;
     linear += gained_[std::size_t(end.component)].linear;
     angular += gained_[std::size_t(end.component)].angular;
     const Vec3 omega = end.inertia.inverse() * (angular - end.com.cross(linear));

@@ -28,6 +28,13 @@ constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
 // Islands of up to so many rows that the sweeps did not solve are solved by Newton's method.
 constexpr std::size_t kDirect = 36;
 
+// A chain of so many bodies is passed through in one step; what hits then is stopped.
+constexpr int kGenerations = 64;
+// An impact that adds less, as a part of what its impulses do, adds nothing: the sweeps leave as much.
+constexpr double kNoEnergy = 1e-4;
+// b of a contact that waits: no velocity makes it take an impulse [m/s].
+constexpr double kFree = 1e9;
+
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Read6 = Eigen::Map<const Vec6>;
 using Write6 = Eigen::Map<Vec6>;
@@ -277,6 +284,11 @@ double Island::relax_two_normals(const NormalBlock& block) {
 }
 
 void Island::prepare() {
+  normal_blocks_.clear();
+  for (RowBlock& block : blocks) {
+    block.normal_block = -1;
+    block.in_normal_block = false;
+  }
   is_free_body_island_ =
       rows.size() > kSmall && contacts == 0 &&
       std::all_of(rows.begin(), rows.end(), [](const IslandRow& row) { return row.free_bodies; }) &&
@@ -339,6 +351,128 @@ double Island::sweep(bool backwards) {
       change = std::max(change, relax_turning<Rows>(block));
   }
   return change;
+}
+
+void Island::solve_velocities(const SolverOptions& options, double h, std::vector<Row>& set_rows) {
+  impacts_.resize(rows.size());
+  bool waits = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    impacts_[i] = set_rows[std::size_t(rows[i].set_row)].impact;
+    if (impacts_[i] != Row::Impact::waits) continue;
+    waits = true;
+    rows[i].bias = kFree;
+    rows[i].lambda = 0.0;
+  }
+  solve_impacts(options, set_rows);
+  if (!waits) return;
+  earlier_.assign(rows.size(), 0.0);
+  for (int count = 1; count <= kGenerations; ++count) {
+    if (!pass_impacts_on(options.bounce_threshold, h, count == kGenerations, set_rows)) break;
+    solve_impacts(options, set_rows);
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].lambda += earlier_[i];
+}
+
+// The contacts' impulses on the mean of the speeds before and after, against the surfaces: what they add to
+// the energy, but for what moves a surface.
+bool Island::impacts_add_energy(const std::vector<Row>& set_rows) const {
+  double work = 0.0, size = 0.0;
+  for (std::size_t k = contacts; k < blocks.size(); ++k) {
+    const std::size_t first = std::size_t(blocks[k].first_row);
+    const std::size_t end =
+        k + 1 < blocks.size() ? std::size_t(blocks[k + 1].first_row) : rows.size();
+    for (std::size_t i = first; i < end; ++i) {
+      if (rows[i].lambda == 0.0) continue;
+      const double before = along(rows[i], start_.data()), after = along(rows[i], v.data());
+      const double speed = i == first ? set_rows[std::size_t(rows[i].set_row)].now : rows[i].bias;
+      work += rows[i].lambda * (speed + 0.5 * (before + after));
+      size +=
+          std::abs(rows[i].lambda) * std::max(std::abs(speed + before), std::abs(speed + after));
+    }
+  }
+  return work > kNoEnergy * size;
+}
+
+void Island::solve_impacts(const SolverOptions& options, const std::vector<Row>& set_rows) {
+  bool may_add = false;
+  for (std::size_t k = contacts; k < blocks.size(); ++k)
+    may_add = may_add || (blocks[k].friction > 0.0 &&
+                          impacts_[std::size_t(blocks[k].first_row)] == Row::Impact::bounces);
+  if (may_add) {
+    start_ = v;
+    warm_.resize(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) warm_[i] = rows[i].lambda;
+  }
+  prepare();
+  solve_velocities(options);
+  if (!may_add || !impacts_add_energy(set_rows)) return;
+  std::vector<double> bounce(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (impacts_[i] == Row::Impact::bounces)
+      bounce[i] = set_rows[std::size_t(rows[i].set_row)].now - rows[i].bias;
+  const auto try_share = [&](double share) {
+    v = start_;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      rows[i].lambda = warm_[i];
+      if (impacts_[i] == Row::Impact::bounces)
+        rows[i].bias = set_rows[std::size_t(rows[i].set_row)].now - share * bounce[i];
+    }
+    prepare();
+    solve_velocities(options);
+    return !impacts_add_energy(set_rows);
+  };
+  double good = 0.0, share = 0.5;
+  bool now = false;
+  for (double step = 0.25; step > 0.02; step *= 0.5) {
+    now = try_share(share);
+    if (now) good = share;
+    share += now ? step : -step;
+  }
+  if (!now) try_share(good);
+}
+
+bool Island::pass_impacts_on(double bounce_threshold, double h, bool last,
+                             std::vector<Row>& set_rows) {
+  // Rows whose gap is closed by the end, and how fast.
+  static thread_local std::vector<std::pair<std::size_t, double>> closed;
+  closed.clear();
+  bool hits = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (impacts_[i] != Row::Impact::waits) continue;
+    const Row& in = set_rows[std::size_t(rows[i].set_row)];
+    const double change = along(rows[i], v.data()), speed = -(in.now + change);
+    if (speed <= 0.0 || in.gap + 0.5 * h * change > 0.0) continue;
+    closed.emplace_back(i, speed);
+    hits = hits || speed > bounce_threshold;
+  }
+  if (closed.empty()) return false;
+  hits = hits && !last;
+  // Impulses of impacts that are over stay in v.
+  for (std::size_t k = contacts; hits && k < blocks.size(); ++k) {
+    const std::size_t first = std::size_t(blocks[k].first_row);
+    if (impacts_[first] != Row::Impact::bounces) continue;
+    impacts_[first] = Row::Impact::waits;
+    rows[first].bias = kFree;
+    Row& out = set_rows[std::size_t(rows[first].set_row)];
+    out.gap_target = 0.0;
+    out.bilateral = false;
+    const std::size_t end =
+        k + 1 < blocks.size() ? std::size_t(blocks[k + 1].first_row) : rows.size();
+    for (std::size_t i = first; i < end; ++i) {
+      earlier_[i] += rows[i].lambda;
+      rows[i].lambda = 0.0;
+    }
+  }
+  for (const IslandRow& row : rows)
+    if (row.lambda != 0.0) apply(row, -row.lambda, v.data());
+  for (const auto& [i, speed] : closed) {
+    const Row& in = set_rows[std::size_t(rows[i].set_row)];
+    const bool bounces = hits && speed > bounce_threshold;
+    if (hits && !bounces) continue;
+    rows[i].bias = in.now - (bounces ? in.restitution * speed : std::min(in.target, 0.0));
+    impacts_[i] = bounces ? Row::Impact::bounces : Row::Impact::none;
+  }
+  return true;
 }
 
 int Island::solve_velocities(const SolverOptions& options) {

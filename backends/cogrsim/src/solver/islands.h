@@ -13,6 +13,13 @@
 // Position stage. With p the displacement of the speeds' coordinates and s its multipliers (position
 // impulses), p = W' s: every gap g + J p is brought to its target, s >= 0 unless the row is bilateral.
 //
+// Impacts. Bodies that touch when an impact comes feel it at once. Those with a gap between them, of less than
+// their way in the step, are hit by what the impact has made of the others: one generation of impacts after the
+// other, each by Newton's law, w+ = -e w-, so that with e = 1 each keeps the energy. A contact that may be
+// hit waits, without impulse, until it is. With friction Newton's law may add energy (Kane and Levinson, Dynamics:
+// theory and applications, 1985, section 5.10 problem; Stronge, Impact mechanics, 2000): then the impacts of the
+// island bounce with the largest part of e, of 32, that adds none.
+//
 // Normal block: the normals of one resting pair. Point i yields to its load beyond the mean of the k
 // points: e = J v + b + gamma (l - sum l / k), so that A + gamma (1 - 1 1' / k) is inverted at once.
 #pragma once
@@ -29,6 +36,7 @@ namespace cogrsim::dynamics {
 struct SolverOptions {
   int iterations = 60;      ///< at most, in each stage
   double tolerance = 1e-7;  ///< stop when no impulse changes a velocity by more [m/s], [rad/s]
+  double bounce_threshold = 0.05;  ///< impacts that are slower do not bounce [m/s]
 };
 
 /// A row of an island. `numbers`: J and W of the first side, then those of the second.
@@ -89,13 +97,19 @@ class Island {
   void clear();
   /// Precomputes data for the sweeps. Call it after all rows and blocks are added.
   void prepare();
-  /// Velocity stage, from the impulses in the rows, which are not in `v` yet. Returns the sweeps.
-  int solve_velocities(const SolverOptions& options);
+  /// Velocity stage, from the impulses in the rows, which are not in `v` yet, impact after impact.
+  void solve_velocities(const SolverOptions& options, double h, std::vector<Row>& set_rows);
   /// Position stage, after the other: fills `p`, and the gaps in `set_rows`, the rows of all
   /// islands. `h` [s]: the step.
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows);
 
  private:
+  int solve_velocities(const SolverOptions& options);
+  // The same, with less restitution where impacts would add energy.
+  void solve_impacts(const SolverOptions& options, const std::vector<Row>& set_rows);
+  bool impacts_add_energy(const std::vector<Row>& set_rows) const;
+  // Takes up contacts that wait and are closed by what was solved; false: there is none.
+  bool pass_impacts_on(double bounce_threshold, double h, bool last, std::vector<Row>& set_rows);
   void make_normal_blocks();
   // A row with a gap, or one that sticks: how far it is from its target, and the multiplier
   // of its displacement.
@@ -139,7 +153,10 @@ class Island {
   std::vector<NormalBlock> normal_blocks_;
   std::vector<Gap> gaps_;
   ConjugateSteps<double, double> steps_;
-  std::vector<double> v0_;                                     ///< v without impulses
+  std::vector<Row::Impact> impacts_;  ///< by row
+  std::vector<double> start_, warm_;  ///< v and impulses before the impacts
+  std::vector<double> earlier_;       ///< impulses of impacts that are over, by row
+  std::vector<double> v0_;            ///< v without impulses
   enum class Part { all, loads, friction } part_ = Part::all;  ///< what a sweep relaxes of contacts
 };
 

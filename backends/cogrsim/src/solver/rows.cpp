@@ -13,6 +13,8 @@ namespace {
 constexpr double kTouching = 1e-5;
 // A contact point with less than this part of its bodies' own inverse mass is held by joints.
 constexpr double kHeld = 1e-10;
+// A contact that is slower than this, and opens or closes by less than kTouching in the step, is one that rests [m/s].
+constexpr double kTouchingSpeed = 0.02;
 // Slower than this, what lands needs no bilateral onto the surface [m/s].
 constexpr double kLandingSpeed = 1e-3;
 
@@ -55,25 +57,40 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   const double h = context.h;
   row.low = 0.0;
   row.has_gap = true;
-  row.gap = a.gap + 0.5 * h * (a.speed + row.now);
+  row.restitution = a.restitution;
+  // g(h) = g(h/2) + h/2 J u1 + h^2/8 J' u, with g(0) likewise.
+  row.gap = a.gap + 0.5 * h * (a.speed + row.now + 0.5 * h * a.turning);
   row.gap_target = 0.0;
   const double end_speed = a.speed + h * a.acceleration;
   const double end_gap = a.gap + 0.5 * h * (a.speed + end_speed);
-  if (end_gap > kTouching) {
-    row.target = end_speed - 2.0 * end_gap / h;
+  // What touches now stays: that it opens without impulses says nothing, friction may turn it down.
+  // The step after a hit begins with what J' u made of it, see below.
+  const double slow = std::min(kTouching / h, kTouchingSpeed) + h * std::abs(a.turning);
+  const bool touches = a.gap <= kTouching && std::abs(a.speed) <= slow;
+  if (end_gap > kTouching && !touches) {
+    row.target = end_speed - 2.0 * end_gap / h - 0.5 * h * a.turning;
+    if (a.restitution > 0.0) row.impact = Row::Impact::waits;
     return;
   }
-  const Hit hit = find_hit(a, h);
-  const double rest = h - hit.time;
-  row.hits = -hit.speed > kLandingSpeed;
-  row.target = 0.0;
-  if (a.restitution > 0.0 && -hit.speed > context.bounce_threshold) {
-    const double away = -a.restitution * hit.speed;
-    row.target = std::max(away + a.acceleration * rest, 0.0);
-    row.gap_target = std::max(away * rest + 0.5 * a.acceleration * rest * rest, 0.0);
-    row.bilateral = true;
+  row.hits = -find_hit(a, h).speed > kLandingSpeed && !touches;
+  // J(q1) u1 = (J + h/2 J') u1, J being that of the middle. An impact changes u, and J' u with it; it keeps the
+  // energy, with e = 1, if J is the same before and after.
+  Approach hitting = a;
+  if (row.hits) {
+    hitting.speed += 0.5 * h * a.turning;
+    hitting.acceleration -= a.turning;
   } else {
-    row.bilateral = row.hits;
+    row.target = -0.5 * h * a.turning;
+  }
+  row.bilateral = row.hits;
+  row.stays = true;
+  const Hit hit = find_hit(hitting, h);
+  if (row.hits && a.restitution > 0.0 && -hit.speed > context.bounce_threshold) {
+    const double rest = h - hit.time, away = -a.restitution * hit.speed;
+    row.target = std::max(away + hitting.acceleration * rest, 0.0);
+    row.gap_target = std::max(away * rest + 0.5 * hitting.acceleration * rest * rest, 0.0);
+    row.impact = Row::Impact::bounces;
+    row.stays = row.target == 0.0;
   }
   if (a.gap < 0.0) {
     row.gap_target = std::min(row.gap_target, a.gap + (kRecoverySpeed + std::abs(a.speed)) * h);
@@ -412,7 +429,8 @@ void RowBuilder::share_step_length(int first) {
 
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
                              int body_b, const SurfacePair& surface, const ContactLine& line,
-                             const Vec3& surface_velocity) {
+                             const Vec3& surface_velocity, const Vec3& turning,
+                             const Vec3& on_line) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(end_.rows);
@@ -442,9 +460,10 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   const double h = context.h;
   row.deep = point.gap < -kTouching && (jointed(link_a) || jointed(link_b));
   approach.restitution = surface.restitution;
-  approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
-  approach.gap = point.gap - 0.5 * h * approach.speed;
-  approach.acceleration = set_.along(row, context.udot);
+  approach.turning = turning.dot(n);
+  approach.speed = row.now - 0.5 * h * (set_.along(row, context.start_udot) + approach.turning);
+  approach.gap = point.gap - 0.5 * h * (approach.speed + 0.25 * h * approach.turning);
+  approach.acceleration = set_.along(row, context.udot) + approach.turning;
   aim_unilateral(context, approach, row);
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
@@ -467,8 +486,10 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
     add_twist_row(link_a, link_b, n);
   } else if (contact.friction > 0.0) {
+    const double along_turn = set_.rows[std::size_t(contact.first)].hits ? 0.0 : 0.5 * h;
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
-      add_point_row(link_a, link_b, at, t).target = -t.dot(surface_velocity);
+      add_point_row(link_a, link_b, at, t).target =
+          -t.dot(surface_velocity + along_turn * (line.other ? on_line : turning));
     share_step_length(contact.first + 1);
   }
   for (int i = 0; i < contact.turning_rows(); ++i)

@@ -41,7 +41,12 @@ struct Row {
       false;  ///< the gap is brought to `gap_target` from either side, within the bounds
   bool bilateral = false;  ///< with l > 0 the gap is brought to `gap_target` from above, too
   bool hits = false;       ///< its impulse is that of an impact
-  bool deep = false;       ///< joints hold the bodies, which overlap
+  /// Of a contact with restitution: it bounces, or it is open by the end, unless an impact closes it.
+  enum class Impact { none, waits, bounces } impact = Impact::none;
+  double restitution = 0.0;
+  bool stays =
+      false;  ///< without the impulses the gap is closed by the end, and it shall not bounce
+  bool deep = false;  ///< joints hold the bodies, which overlap
   double gap = 0.0;
   double gap_target = 0.0;
   double position_impulse = 0.0;  ///< multiplier of the displacement [N s^2]; before: warm start
@@ -158,6 +163,7 @@ struct Approach {
   double gap = 0.0;           ///< at the start [m]
   double speed = 0.0;         ///< its rate at the start [m/s]; positive: it opens
   double acceleration = 0.0;  ///< of the smooth motion [m/s^2]
+  double turning = 0.0;       ///< its part that the speeds make: J' u [m/s^2]
   double restitution = 0.0;
 };
 
@@ -191,9 +197,10 @@ class RowBuilder {
     const ContactPoint* other = nullptr;
     bool second = false;
   };
+  /// `turning`: see turning_of(); `on_line`: at the middle of the line.
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
                    const SurfacePair& surface, const ContactLine& line,
-                   const Vec3& surface_velocity);
+                   const Vec3& surface_velocity, const Vec3& turning, const Vec3& on_line);
 
   /// Index in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);

@@ -135,10 +135,9 @@ void Solver::fill_island(const RowSet& set, const IslandContent& content, Island
 }
 
 void Solver::solve_island(Island& island, RowSet& set, double h, double* dv, double* p) const {
-  island.prepare();
   island.v.resize(island.speeds.size());
   for (std::size_t k = 0; k < island.speeds.size(); ++k) island.v[k] = dv[island.speeds[k]];
-  island.solve_velocities(options_);
+  island.solve_velocities(options_, h, set.rows);
   for (std::size_t k = 0; k < island.speeds.size(); ++k) dv[island.speeds[k]] = island.v[k];
   for (const IslandRow& row : island.rows) set.rows[std::size_t(row.set_row)].lambda = row.lambda;
   island.solve_positions(options_, h, set.rows);
