@@ -16,9 +16,8 @@
 // Impacts. Bodies that touch when an impact comes feel it at once. Those with a gap between them, of less than
 // their way in the step, are hit by what the impact has made of the others: one generation of impacts after the
 // other, each by Newton's law, w+ = -e w-, so that with e = 1 each keeps the energy. A contact that may be
-// hit waits, without impulse, until it is. With friction Newton's law may add energy (Kane and Levinson, Dynamics:
-// theory and applications, 1985, section 5.10 problem; Stronge, Impact mechanics, 2000): then the impacts of the
-// island bounce with the largest part of e, of 32, that adds none.
+// hit waits, without impulse, until it is. With friction Newton's law may add energy (Stronge, Impact mechanics, 2000):
+// then the impacts of the island bounce with the largest part of e, of 32, that adds none.
 //
 // Normal block: the normals of one resting pair. Point i yields to its load beyond the mean of the k
 // points: e = J v + b + gamma (l - sum l / k), so that A + gamma (1 - 1 1' / k) is inverted at once.
