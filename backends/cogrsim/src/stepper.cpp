@@ -153,19 +153,21 @@ void Stepper::detect(double h) {
   }
 }
 
+bool Stepper::same_pair(std::size_t index, std::size_t other) const {
+  return other < points_.size() && points_[other].collider_a == points_[index].collider_a &&
+         points_[other].collider_b == points_[index].collider_b;
+}
+
 RowBuilder::ContactLine Stepper::find_contact_line(std::size_t index) const {
-  const auto pair_with = [&](std::size_t other) {
-    return other < points_.size() && points_[other].collider_a == points_[index].collider_a &&
-           points_[other].collider_b == points_[index].collider_b;
-  };
   const auto round = [&](int collider) {
     const ShapeType type = detector_.colliders()[std::size_t(collider)].type;
     return type == ShapeType::cylinder || type == ShapeType::capsule;
   };
   RowBuilder::ContactLine line;
   if (!round(points_[index].collider_a) && !round(points_[index].collider_b)) return line;
-  const bool before = pair_with(index - 1), after = pair_with(index + 1);
-  if (before == after || (before && pair_with(index - 2)) || (after && pair_with(index + 2)))
+  const bool before = same_pair(index, index - 1), after = same_pair(index, index + 1);
+  if (before == after || (before && same_pair(index, index - 2)) ||
+      (after && same_pair(index, index + 2)))
     return line;
   // A line lies across the normal; two ends of a pair with different normals are no line, nor are
   // ends of which one is off the ground, as of a coin that leans.
@@ -192,11 +194,12 @@ void Stepper::add_contact(const StepContext& context, std::size_t index,
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
   const RowBuilder::ContactLine line = find_contact_line(index);
   const Vec3 turning = turning_of(index, context.h);
-  Vec3 on_line = turning;
+  Vec3 friction_turning = turning;
   if (line.other)
-    on_line = 0.5 * (turning + turning_of(std::size_t(line.other - points_.data()), context.h));
+    friction_turning =
+        0.5 * (turning + turning_of(std::size_t(line.other - points_.data()), context.h));
   builder.add_contact(context, point, a.body, b.body, surface_of(point), line,
-                      detector_.surface_velocity(point), turning, on_line);
+                      detector_.surface_velocity(point), turning, friction_turning);
 }
 
 Vec3 Stepper::convective_acceleration(int index, const Vec3& point) const {
@@ -209,17 +212,11 @@ Vec3 Stepper::convective_acceleration(int index, const Vec3& point) const {
   if (link.component < 0) return about(motion.X.p);
   const Component& c = mechanism_.components()[std::size_t(link.component)];
   if (c.is_free_body) return about(motion.X * link.com);
-  const Spatial& a = c.bias[std::size_t(c.find(index))];
-  return a.linear + a.angular.cross(point - c.origin) +
-         motion.angular.cross(motion.velocity_at(point));
+  return bias_at(c, c.find(index), motion, point);
 }
 
 Vec3 Stepper::turning_of(std::size_t index, double h) const {
   const ContactPoint& point = points_[index];
-  const auto same_pair = [&](std::size_t other) {
-    return other < points_.size() && points_[other].collider_a == point.collider_a &&
-           points_[other].collider_b == point.collider_b;
-  };
   const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
   const int link_a = mechanism_.body_link(a.body), link_b = mechanism_.body_link(b.body);
@@ -231,7 +228,7 @@ Vec3 Stepper::turning_of(std::size_t index, double h) const {
   const Vec3 v = motion_b.velocity_at(point.point) - motion_a.velocity_at(point.point);
   const Vec3 slip = v - n.dot(v) * n;
   const ContactRates rates =
-      find_contact_rates(a, b, point, !same_pair(index - 1) && !same_pair(index + 1),
+      find_contact_rates(a, b, point, !same_pair(index, index - 1) && !same_pair(index, index + 1),
                          motion_a.angular, motion_b.angular, slip);
   const Vec3 turning = convective_acceleration(link_b, point.point) -
                        convective_acceleration(link_a, point.point) +

@@ -111,6 +111,8 @@ class Stepper {
   static constexpr std::size_t kChunk = 128;
   template <class Work>
   std::size_t for_contact_chunks(const Work& work);
+  // Whether points_ has a point there, of the same pair of colliders.
+  bool same_pair(std::size_t index, std::size_t other) const;
   // The line, if any, that a point of points_ is an end of: of a cylinder or capsule on its side.
   RowBuilder::ContactLine find_contact_line(std::size_t index) const;
   // Conserves the momentum of free mechanisms to rounding, see README; the state is at the end.

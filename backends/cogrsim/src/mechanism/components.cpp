@@ -219,6 +219,12 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
   }
 }
 
+Vec3 bias_at(const Component& c, int position, const LinkMotion& motion, const Vec3& point) {
+  const Spatial& a = c.bias[std::size_t(position)];
+  return a.linear + a.angular.cross(point - c.origin) +
+         motion.angular.cross(motion.velocity_at(point));
+}
+
 namespace {
 
 void solve_tree(const Component& c, double* x, const Component::Range& tree) {

@@ -12,6 +12,7 @@ namespace cogrsim::dynamics {
 
 class Mechanism;
 struct Link;
+struct LinkMotion;
 
 /// The shadow of a split body (its copy, as Simbody calls it) and the link of the body itself, which it is welded to.
 struct Weld {
@@ -87,6 +88,9 @@ void update_component(const Mechanism& mechanism, Component& component);
 /// of the mechanism's loads: recursive Newton-Euler method (Featherstone 2008, section 5.3) with all
 /// quantities about the component's origin. At the state.
 void find_bias(const Mechanism& mechanism, Component& component, double* x);
+/// After it: acceleration of a link's point (world) while the coordinates' are zero; `motion`: the link's.
+Vec3 bias_at(const Component& component, int position_of_link, const LinkMotion& motion,
+             const Vec3& point);
 
 /// x := M^-1 x, the loops ignored, without the mass matrix, in time that grows with the number of links:
 /// the articulated-body method (Featherstone 2008, section 7.3) at rest. With the articulated inertia A

@@ -219,14 +219,9 @@ void find_loop_bias(const Mechanism& mechanism, const Component& c, double* b) {
     const Weld& weld = c.welds[w];
     const Ends ends = ends_of(mechanism, weld);
     const Vec3 at = ends.shadow.X.p;
-    const auto acceleration = [&](int position, const LinkMotion& motion) -> Vec3 {
-      const Spatial& a = c.bias[std::size_t(position)];
-      return a.linear + a.angular.cross(at - c.origin) +
-             motion.angular.cross(motion.velocity_at(at));
-    };
     write_spatial(
         c.bias[std::size_t(weld.shadow_at)].angular - c.bias[std::size_t(weld.primary_at)].angular,
-        acceleration(weld.shadow_at, ends.shadow) - acceleration(weld.primary_at, ends.primary),
+        bias_at(c, weld.shadow_at, ends.shadow, at) - bias_at(c, weld.primary_at, ends.primary, at),
         b + 6 * w);
   }
 }

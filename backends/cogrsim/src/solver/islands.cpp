@@ -378,9 +378,7 @@ void Island::solve_velocities(const SolverOptions& options, double h, std::vecto
 bool Island::impacts_add_energy(const std::vector<Row>& set_rows) const {
   double work = 0.0, size = 0.0;
   for (std::size_t k = contacts; k < blocks.size(); ++k) {
-    const std::size_t first = std::size_t(blocks[k].first_row);
-    const std::size_t end =
-        k + 1 < blocks.size() ? std::size_t(blocks[k + 1].first_row) : rows.size();
+    const std::size_t first = std::size_t(blocks[k].first_row), end = end_of(k);
     for (std::size_t i = first; i < end; ++i) {
       if (rows[i].lambda == 0.0) continue;
       const double before = along(rows[i], start_.data()), after = along(rows[i], v.data());
@@ -456,8 +454,7 @@ bool Island::pass_impacts_on(double bounce_threshold, double h, bool last,
     Row& out = set_rows[std::size_t(rows[first].set_row)];
     out.gap_target = 0.0;
     out.bilateral = false;
-    const std::size_t end =
-        k + 1 < blocks.size() ? std::size_t(blocks[k + 1].first_row) : rows.size();
+    const std::size_t end = end_of(k);
     for (std::size_t i = first; i < end; ++i) {
       earlier_[i] += rows[i].lambda;
       rows[i].lambda = 0.0;

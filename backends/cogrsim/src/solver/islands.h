@@ -106,6 +106,10 @@ class Island {
   int solve_velocities(const SolverOptions& options);
   // The same, with less restitution where impacts would add energy.
   void solve_impacts(const SolverOptions& options, const std::vector<Row>& set_rows);
+  // One beyond the last row of a block.
+  std::size_t end_of(std::size_t block) const {
+    return block + 1 < blocks.size() ? std::size_t(blocks[block + 1].first_row) : rows.size();
+  }
   bool impacts_add_energy(const std::vector<Row>& set_rows) const;
   // Takes up contacts that wait and are closed by what was solved; false: there is none.
   bool pass_impacts_on(double bounce_threshold, double h, bool last, std::vector<Row>& set_rows);

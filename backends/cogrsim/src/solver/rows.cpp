@@ -430,7 +430,7 @@ void RowBuilder::share_step_length(int first) {
 void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
                              int body_b, const SurfacePair& surface, const ContactLine& line,
                              const Vec3& surface_velocity, const Vec3& turning,
-                             const Vec3& on_line) {
+                             const Vec3& friction_turning) {
   const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
   ContactRows contact;
   contact.first = int(end_.rows);
@@ -489,7 +489,7 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
     const double along_turn = set_.rows[std::size_t(contact.first)].hits ? 0.0 : 0.5 * h;
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
       add_point_row(link_a, link_b, at, t).target =
-          -t.dot(surface_velocity + along_turn * (line.other ? on_line : turning));
+          -t.dot(surface_velocity + along_turn * friction_turning);
     share_step_length(contact.first + 1);
   }
   for (int i = 0; i < contact.turning_rows(); ++i)

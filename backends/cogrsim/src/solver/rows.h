@@ -197,10 +197,10 @@ class RowBuilder {
     const ContactPoint* other = nullptr;
     bool second = false;
   };
-  /// `turning`: see turning_of(); `on_line`: at the middle of the line.
+  /// `turning`: see turning_of(); `friction_turning`: likewise where friction acts, the middle of a line.
   void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
                    const SurfacePair& surface, const ContactLine& line,
-                   const Vec3& surface_velocity, const Vec3& turning, const Vec3& on_line);
+                   const Vec3& surface_velocity, const Vec3& turning, const Vec3& friction_turning);
 
   /// Index in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
