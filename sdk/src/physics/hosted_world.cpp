@@ -188,6 +188,7 @@ Result<> HostedWorld::restore(const SnapshotPtr& snapshot) {
 
 Result<> HostedWorld::set_kinematic_twist(int body, const Twist& twist) {
   if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
+  if (!held_) held_ = report();  // of the last step, whose velocities these are
   twists_[static_cast<std::size_t>(body)] = twist;
   move_kinematic(body);
   return {};
