@@ -44,10 +44,9 @@ Capabilities make_capabilities() {
     out.set("joint.limit." + name, Support::approximate,
             "stops but a hinge's throw back with erp (0.2) of the speed");
     if (type == JointType::ball) continue;
-    out.set(
-        "joint.rotor-inertia." + name, Support::approximate,
-        "a motor towards the speed at the start of the step, as soft as the inertia; ten sweeps "
-        "hold rotors of 100 times the inertia of the bodies they turn");
+    out.set("joint.rotor-inertia." + name, Support::approximate,
+            "a motor towards the speed at the start of the step, as soft as the inertia; "
+            "500 sweeps hold rotors of 1000 times the inertia of the bodies they turn");
   }
   out.set("joint.coupling", Support::approximate,
           "an effort found before each step and constant over it, which all its joints feel");

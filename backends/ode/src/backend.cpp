@@ -69,7 +69,7 @@ Capabilities make_capabilities() {
         "squared");
     set(to_string(type), {"joint.rotor-inertia."}, differs,
         "a motor towards the speed at the start of the step, as soft as the inertia; with "
-        "solver=quick 20 sweeps hold rotors of 100 times the inertia of the bodies they turn");
+        "solver=quick 20 sweeps hold rotors of 10 times the inertia of the bodies they turn");
     if (type == JointType::planar) continue;
     set(to_string(type), {"joint.limit."}, differs,
         "ODE's stops act once they are passed and give back erp (0.2) of the speed");
