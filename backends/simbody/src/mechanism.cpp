@@ -261,8 +261,8 @@ void Mechanism::add_rotors() {
       bodies[0] = links_[l].mobod.getMobilizedBodyIndex();
       speeds[0] = SimTK::MobilizerUIndex(links_[l].u_map[i]);
       const SimTK::Vector difference(SimTK::Vec3(1, -1, 0));
-      SimTK::Constraint::SpeedCoupler(matter, new SimTK::Function::Linear(difference), bodies,
-                                      speeds);
+      const SimTK::Constraint::SpeedCoupler coupler(matter, new SimTK::Function::Linear(difference),
+                                                    bodies, speeds);
       has_loops_ = true;
       rotors_.push_back(rotor);
     }
