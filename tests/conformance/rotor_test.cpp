@@ -1,5 +1,6 @@
 // Rotors of drives: with them an axis moves as if the body had their inertia, along this axis alone.
 #include "axis_rig.h"
+#include "cogrsim/physics/warnings.h"
 
 namespace conformance {
 namespace {
@@ -153,6 +154,32 @@ TEST_CASE("a rotor with friction, damping, a spring and stops", "[joints]") {
       "damping", [](AxisRig& rig) { rig.axis().damping = 20.0 * rig.inertia; }, idle);
   compare(
       "spring", [](AxisRig& rig) { rig.axis().stiffness = 100.0 * rig.inertia; }, idle);
+}
+
+TEST_CASE("a rotor a million times as heavy is held, or warned of", "[joints]") {
+  // A chain of two, whose first joint a motor turns at 1 rad/s^2 against rotors of a million times the
+  // links' inertia: half a radian in a second.
+  constexpr double kInertia = 0.01, kRotor = 1e4;
+  ModelBuilder builder;
+  builder.model.physics.gravity.setZero();
+  int parent = kWorld;
+  for (int i = 0; i < 2; ++i) {
+    const std::string name = "link_" + std::to_string(i);
+    const int link = builder.body(name, 1.0, kInertia * Mat3::Identity(), at(0.5 + i, 0, 0));
+    const int hinge =
+        builder.joint(name, JointType::hinge, parent, link, at(static_cast<double>(i), 0, 0));
+    joint_of(builder, hinge).axes.resize(1);
+    joint_of(builder, hinge).axes[0].rotor_inertia = kRotor;
+    parent = link;
+  }
+  const int motor = builder.motor("motor", 0, MotorMode::torque);
+  Sim sim(builder);
+  auto* const warns = sim.world().extension<WorldWarnings>();
+  const bool warned = warns && !warns->warnings().empty();
+  sim.drive(motor) = constant_effort(kRotor);
+  sim.run(1.0);
+  measure("angle off [rad], unless it is warned of", warned ? 0.0 : std::abs(sim.q(0) - 0.5),
+          kFits);
 }
 
 TEST_CASE("a rotor stops at a limit", "[limits]") {
