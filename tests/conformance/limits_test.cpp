@@ -92,6 +92,55 @@ TEST_CASE("limit: hinge beyond one turn", "[limits]") {
   measure("overshoot [rad]", std::abs(furthest - limit), 2.0 * 6.0 * kDt);
 }
 
+void stop_at(JointType type, int axis) {
+  // Driven at 1 rad/s to stops from 2 to 10 rad: the first step beyond is seen, and 1 ms of it.
+  for (const double stop : {2.0, -3.5, 4.0, -7.0, 10.0}) {
+    AxisRig rig(kind_of(type, axis));
+    rig.axis().lower = -std::abs(stop);
+    rig.axis().upper = std::abs(stop);
+    const int motor = rig.motor(MotorMode::velocity);
+    Sim sim(rig.builder);
+    const double sign = stop > 0.0 ? 1.0 : -1.0;
+    sim.drive(motor) = speed_source(sign, 10.0 * rig.inertia);
+    double beyond = 0.0;
+    sim.run(std::abs(stop) + 0.5, kDt,
+            [&] { beyond = std::max(beyond, sign * rig.q(sim) - std::abs(stop)); });
+    measure("overshoot [rad]", beyond, 2e-3);
+    measure("place against the limit [rad]", std::abs(rig.q(sim) - stop), 2e-3);
+  }
+}
+
+TEST_CASE("limit: hinge, up to three turns apart", "[limits]") { stop_at(JointType::hinge, 0); }
+TEST_CASE("limit: cylindrical, up to three turns apart", "[limits]") {
+  stop_at(JointType::cylindrical, 0);
+}
+TEST_CASE("limit: universal, up to three turns apart", "[limits]") {
+  stop_at(JointType::universal, 0);
+  stop_at(JointType::universal, 1);
+}
+TEST_CASE("limit: gimbal, up to three turns apart", "[limits]") {
+  stop_at(JointType::gimbal, 0);
+  stop_at(JointType::gimbal, 2);
+}
+
+TEST_CASE("limit: hinge beyond one turn, from a snapshot", "[limits]") {
+  AxisRig rig(kind_of(JointType::hinge, 0));
+  constexpr double kStop = 3.0 * kPi;
+  rig.axis().upper = kStop;
+  rig.start_speed(3.0);
+  Sim sim(rig.builder);
+  sim.run(2.5);
+  const SnapshotPtr saved = sim.world().save();
+  double furthest = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE(sim.world().restore(saved));
+    sim.forget_state();
+    measure("coordinate after the snapshot off [rad]", std::abs(rig.q(sim) - 7.5), 1e-2);
+    sim.run(1.0, kDt, [&] { furthest = std::max(furthest, rig.q(sim)); });
+    measure("overshoot [rad]", std::abs(furthest - kStop), 2.0 * 3.0 * kDt);
+  }
+}
+
 TEST_CASE("limit: cone of a ball", "[limits]") {
   AxisRig rig(kind_of(JointType::ball, 0));
   rig.axis().upper = kLimit;

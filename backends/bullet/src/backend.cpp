@@ -42,9 +42,15 @@ Capabilities make_capabilities() {
             "0.024 rad (solver=\"dantzig\": 0.09 mm, 0.006 rad)");
     if (type == JointType::fixed) continue;
     out.set("joint.limit." + name, Support::approximate,
-            "an angle has its limits within 6.2 rad, and with one limit meets it from the other "
-            "side, too; stops but a hinge's throw back with erp (0.2) of the speed");
+            "stops but a hinge's throw back with erp (0.2) of the speed");
+    if (type == JointType::ball) continue;
+    out.set("joint.rotor-inertia." + name, Support::approximate,
+            "a motor towards the speed at the start of the step, as soft as the inertia; "
+            "500 sweeps hold rotors of 1000 times the inertia of the bodies they turn");
   }
+  out.set("joint.coupling", Support::approximate,
+          "an effort found before each step and constant over it, which all its joints feel");
+  out.set("joint.coupling-effort", Support::exact);
   for (const char* feature : {"joint.", "loop.", "joint.limit.", "joint.damping.",
                               "joint.friction.", "joint.stiffness."}) {
     out.set(std::string(feature) + "screw", Support::unsupported,

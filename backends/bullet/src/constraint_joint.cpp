@@ -29,6 +29,24 @@ constexpr double kUnbounded = 1e30;  // Bullet adds to and multiplies its bounds
 /// softnesses 1 / s below 1, by 1 / s per sweep: 3 % are left after 10.
 constexpr double kStiff = 1.4;
 
+/// The same where efforts of couplings are found on the assumption that laws hold at the end of the
+/// step: what is below is the same to 1 %.
+constexpr double kSoft = 0.01;
+
+constexpr double kWidestLimits = 6.2;  // that Bullet's angles tell from each other [rad]
+constexpr double kNear = 1.5;          // stops farther from the joint are not given to Bullet [rad]
+
+/// A speed source beside a rotor: as stiff as that it leaves a thousandth of what disturbs it.
+constexpr double kSource = 1e3;
+/// Below this share of its bound a stiff law beside a rotor has no bound.
+constexpr double kFarFromBound = 0.5;
+
+/// Whether the farthest limit of an angle is out of Bullet's reach, from the other or the start.
+bool is_wide(const JointAxis& axis, double start) {
+  return !(std::max({axis.upper - axis.lower, axis.upper - start, start - axis.lower}) <=
+           kWidestLimits);
+}
+
 }  // namespace
 
 ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody& a, btRigidBody& b,
@@ -75,6 +93,8 @@ void ConstraintJoint::make_axes(const Joint& joint) {
     axis.angular = angular;
     axis.dof = dof;
     if (axes_.size() < joint.axes.size()) axis.law = joint.axes[axes_.size()];
+    const double start = axes_.size() < joint.position.size() ? joint.position[axes_.size()] : 0.0;
+    axis.wide = angular && axis.law.has_limit() && is_wide(axis.law, start);
     axes_.push_back(axis);
   };
   const auto is = [&](JointType type) { return type_ == type; };
@@ -107,7 +127,8 @@ void ConstraintJoint::make_rows(const SceneModel& model) {
     }
     if (axis.law.friction > 0.0) add(Kind::friction, -1);
     if (axis.law.stiffness > 0.0 || axis.law.damping > 0.0) add(Kind::passive, -1);
-    has_laws_ |= !axis.rows.empty();
+    if (axis.law.rotor_inertia > 0.0) add(Kind::rotor, -1);
+    has_laws_ |= !axis.rows.empty() || axis.wide;
   }
 }
 
@@ -134,30 +155,47 @@ ConstraintJoint::Extra* ConstraintJoint::make_extra() {
 
 void ConstraintJoint::set_limits() {
   for (const Axis& axis : axes_) {
-    if (!axis.law.has_limit()) continue;
-    // Bullet does not count turns: an angle that has one limit meets it from the other side, too.
-    const double widest = axis.angular ? kWidestLimits : kUnbounded;
-    double lower = axis.law.lower, upper = axis.law.upper;
-    if (!std::isfinite(lower)) lower = upper - widest;
-    if (!std::isfinite(upper)) upper = lower + widest;
-    if (type_ == JointType::hinge) {
-      // Bullet's softness and bias; without relaxation nothing bounces.
-      static_cast<btHingeConstraint&>(*main_).setLimit(lower, upper, 0.9, 0.3, 0.0);
-      continue;
+    if (!axis.law.has_limit() || axis.wide) continue;
+    if (axis.angular) {
+      set_limits(axis, axis.law.lower, axis.law.upper);
+    } else {
+      static_cast<btGeneric6DofConstraint&>(*main_).setLimit(
+          axis.dof, std::max(axis.law.lower, -kUnbounded), std::min(axis.law.upper, kUnbounded));
     }
-    auto& six = static_cast<btGeneric6DofConstraint&>(*main_);
-    if (!axis.angular) {
-      six.setLimit(axis.dof, lower, upper);
-      continue;
-    }
-    // Its angles have the other sign; setLimit() would wrap the two one by one.
-    const double turns = 2.0 * kPi * std::round((lower + upper) / (4.0 * kPi));
-    six.getRotationalLimitMotor(axis.dof - 3)->m_loLimit = turns - upper;
-    six.getRotationalLimitMotor(axis.dof - 3)->m_hiLimit = turns - lower;
   }
 }
 
-void ConstraintJoint::add_to(btDiscreteDynamicsWorld& world) {
+/// Of an angle, as Bullet measures it but for its sign.
+void ConstraintJoint::set_limits(const Axis& axis, double lower, double upper) {
+  if (type_ == JointType::hinge) {
+    // Bullet's softness and bias; without relaxation nothing bounces.
+    static_cast<btHingeConstraint&>(*main_).setLimit(lower, upper, 0.9, 0.3, 0.0);
+    return;
+  }
+  // Its angles have the other sign; setLimit() would wrap the two one by one.
+  auto& motor =
+      *static_cast<btGeneric6DofConstraint&>(*main_).getRotationalLimitMotor(axis.dof - 3);
+  const double turns = 2.0 * kPi * std::round((lower + upper) / (4.0 * kPi));
+  motor.m_loLimit = turns - upper;
+  motor.m_hiLimit = turns - lower;
+}
+
+void ConstraintJoint::set_wide_limits(const Axis& axis, double q) {
+  double angle = 0.0;
+  if (type_ == JointType::hinge) {
+    angle = static_cast<btHingeConstraint&>(*main_).getHingeAngle();
+  } else {
+    auto& six = static_cast<btGeneric6DofConstraint&>(*main_);
+    six.calculateTransforms();
+    angle = -six.getAngle(axis.dof - 3);
+  }
+  set_limits(axis, std::max(axis.law.lower, q - kNear) - q + angle,
+             std::min(axis.law.upper, q + kNear) - q + angle);
+}
+
+void ConstraintJoint::add_to(btDiscreteDynamicsWorld& world, int sweeps) {
+  main_->setOverrideNumSolverIterations(sweeps);
+  for (const auto& extra : extras_) extra->constraint->setOverrideNumSolverIterations(sweeps);
   world.addConstraint(main_.get(), !collide_);
   for (const auto& extra : extras_) world.addConstraint(extra->constraint.get(), false);
 }
@@ -233,19 +271,49 @@ void ConstraintJoint::stop(const Axis& axis, Row& row) {
 ///     effort = K (v - u+),  K = kd + dt kp,  v = (bias + kp (position - q) + kd velocity) / K,
 ///
 /// is a speed source of v with the softness u+ = v - impulse / (K dt).
-void ConstraintJoint::apply_law(const Axis& axis, Row& row, const Drive& law, double dt, double q,
-                                double u) {
+///
+/// Beside a rotor, Bullet's sweeps would take turns between two stiff rows: a law that is not near
+/// its bound goes into the rotor's row, and one that is beyond it is a constant effort. The effort
+/// is foretold from the bodies' own inertia, which is the least that the axis can have.
+void ConstraintJoint::apply_law(const Axis& axis, const btVector3& along, Row& row,
+                                const Drive& law, double dt, double q, double u) {
+  const double rotor = axis.law.rotor_inertia;
   row.bound = law.max_effort;
-  const double held = law.bias + law.kp * (law.position - q) + law.kd * law.velocity;
-  const double gain = law.kd + dt * law.kp;
-  const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
-  const double s = gain > 0.0 ? dt * gain * inverse_mass(axis, along) : 0.0;
-  if (s >= kStiff) {
-    drive(axis, row, dt, held / gain, softness_ + 1.0 / s);
-  } else {
-    stop(axis, row);
-    row.effort = std::clamp(held - law.kd * u, -law.max_effort, law.max_effort);
+  row.gain = 0.0;
+  if (law.is_speed_source() && rotor == 0.0) return drive(axis, row, dt, law.velocity, softness_);
+  double gain = law.kd + dt * law.kp;
+  double held = law.bias + law.kp * (law.position - q) + law.kd * law.velocity;
+  const double inverse = gain > 0.0 ? inverse_mass(axis, along) : 0.0;
+  const double mass = inverse > 0.0 ? 1.0 / inverse + rotor : rotor;
+  if (law.is_speed_source()) {
+    gain = kSource * mass / dt;
+    held = gain * law.velocity;
   }
+  const double s = gain > 0.0 ? dt * gain / mass : 0.0;
+  const double foretold = std::abs(held - gain * u) / (1.0 + s);
+  if (s < stiff_ || (rotor > 0.0 && foretold >= law.max_effort)) {
+    stop(axis, row);
+    row.effort =
+        std::clamp(held - (s < stiff_ ? law.kd : gain) * u, -law.max_effort, law.max_effort);
+  } else if (rotor > 0.0 && foretold < kFarFromBound * law.max_effort) {
+    stop(axis, row);
+    row.gain = gain;
+    row.target = held / gain;
+  } else {
+    drive(axis, row, dt, held / gain, softness_ + 1.0 / (dt * gain * inverse));
+  }
+}
+
+/// The inertia of a rotor, and what apply_law() leaves to its row.
+void ConstraintJoint::apply_rotor(Axis& axis, const btVector3& along, double dt, double u) {
+  double gain = axis.law.rotor_inertia / dt, held = gain * u;
+  for (const Row& row : axis.rows) {
+    gain += row.gain;
+    held += row.gain * row.target;
+  }
+  Row& row = axis.rows.back();
+  row.bound = kUnbounded;
+  drive(axis, row, dt, held / gain, softness_ + 1.0 / (dt * gain * inverse_mass(axis, along)));
 }
 
 void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
@@ -258,15 +326,23 @@ void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
   a_.applyTorque(-torque);
 }
 
-void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
+void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const double* efforts,
                             const std::function<const double*()>& position) {
   const double* q = nullptr;
   explicit_ = {};
+  stiff_ = efforts ? kSoft : kStiff;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
-    double effort = 0.0;
+    const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
+    const auto coordinate = [&] { return (q ? q : q = position())[i]; };
+    double effort = efforts ? efforts[i] : 0.0;
+    if (axis.wide) set_wide_limits(axis, coordinate());
     for (Row& row : axis.rows) {
       row.effort = 0.0;
+      if (row.kind == Kind::rotor) {
+        apply_rotor(axis, along, dt, speed(axis, along));
+        continue;
+      }
       if (row.kind == Kind::friction) {
         row.bound = axis.law.friction;
         drive(axis, row, dt, 0.0, softness_);
@@ -274,21 +350,20 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives,
       }
       Drive law{0.0, axis.law.stiffness, axis.law.rest, axis.law.damping};
       if (row.kind == Kind::motor) law = drives[row.motor];
-      if (law.is_speed_source()) {
-        row.bound = law.max_effort;
-        drive(axis, row, dt, law.velocity, softness_);
-        continue;
-      }
-      const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
-      if (!q) q = position();
-      apply_law(axis, row, law, dt, q[i], speed(axis, along));
+      const double at = law.is_speed_source() ? 0.0 : coordinate();
+      apply_law(axis, along, row, law, dt, at, speed(axis, along));
       effort += row.effort;
     }
     if (effort == 0.0) continue;
-    const btVector3 pushed =
-        direction(axis, a_.getWorldTransform(), b_.getWorldTransform()) * effort;
-    axis.angular ? push({0, 0, 0}, pushed) : push(pushed, {0, 0, 0});
+    axis.angular ? push({0, 0, 0}, along * effort) : push(along * effort, {0, 0, 0});
   }
+}
+
+double ConstraintJoint::rotor_ratio(std::size_t axis) const {
+  if (axis >= axes_.size()) return 0.0;
+  const Axis& it = axes_[axis];
+  const btVector3 along = direction(it, a_.getWorldTransform(), b_.getWorldTransform());
+  return it.law.rotor_inertia * inverse_mass(it, along);
 }
 
 Load ConstraintJoint::get_reaction(const btTransform& X_B) const {
@@ -321,6 +396,11 @@ void ConstraintJoint::get_efforts(const btTransform& X_A, const btTransform& X_B
     joint[i] = part(load_);
     for (const Row& row : axis.rows) {
       double effort = row.effort;
+      if (row.kind == Kind::rotor) {  // its own effort is inertia, what others gave it is theirs
+        if (!row.extra) joint[i] -= part(load_);
+        continue;
+      }
+      if (row.gain > 0.0) effort = row.gain * (row.target - speed(axis, along));
       if (row.on && row.extra) effort = part(row.extra->load);
       if (row.on && !row.extra) effort = joint[i];
       if (row.extra || !row.on) joint[i] += effort;

@@ -15,8 +15,6 @@ class btDiscreteDynamicsWorld;
 
 namespace cogrsim::bullet {
 
-inline constexpr double kWidestLimits = 6.2;  ///< of an angle, apart [rad]
-
 /// What a constraint of Bullet's did to its second body in the last step; its user pointer.
 struct Load {
   btVector3 force{0, 0, 0}, torque{0, 0, 0};
@@ -31,6 +29,13 @@ struct Load {
 /// motors, dry friction (a motor towards rest, bounded by the friction) and stiff springs and
 /// dampers are btGeneric6DofConstraints whose one row is that motor. Soft laws are forces
 /// and torques before the step, see apply_law().
+///
+/// The inertia I of a rotor is a motor, too, towards the speed u of the axis when the step begins,
+/// without a bound and as soft as that its effort is I (u - u+) / dt. Stiff laws of the same axis,
+/// unless they may be at their bounds, are added to it: effort = sum K (v - u+) is one row.
+///
+/// Bullet's angles end at half a turn. Limits that are wider get their angles before each step from
+/// the joint's coordinate, in which turns are counted.
 class ConstraintJoint {
  public:
   /// `frame_a`, `frame_b`: the joint's F and M in Bullet's frames of the two bodies; `softness`:
@@ -39,13 +44,17 @@ class ConstraintJoint {
                   const btTransform& frame_a, const btTransform& frame_b, double softness);
 
   int joint() const { return joint_; }
-  void add_to(btDiscreteDynamicsWorld& world);
+  /// `sweeps` over its rows, if more than those over all.
+  void add_to(btDiscreteDynamicsWorld& world, int sweeps);
 
   /// Whether something acts along an axis, so that apply() must be called.
   bool has_laws() const { return has_laws_; }
   /// Before a step; `position` gives the joint's coordinates, and is asked where a law needs them.
-  void apply(double dt, const std::vector<Drive>& drives,
+  /// `efforts` along the joint's speeds are added to the laws, if not null.
+  void apply(double dt, const std::vector<Drive>& drives, const double* efforts,
              const std::function<const double*()>& position);
+  /// Of the axis: its rotor's inertia over that of the two bodies alone; 0 without a rotor.
+  double rotor_ratio(std::size_t axis) const;
 
   /// Of the last step, on the child about M's origin, world axes; the body's place when the step
   /// began is `X_B`.
@@ -56,7 +65,7 @@ class ConstraintJoint {
                    std::vector<double>& motors) const;
 
  private:
-  enum class Kind { passive, friction, motor };
+  enum class Kind { passive, friction, motor, rotor };
   /// A constraint whose rows are motors only.
   struct Extra {
     std::unique_ptr<btGeneric6DofConstraint> constraint;
@@ -70,23 +79,29 @@ class ConstraintJoint {
     double effort = 0.0;            // explicit, in the last step
     std::array<double, 4> given{};  // what Bullet's motor has: speed, bound, dt, softness
     double bound = 0.0;
+    double gain = 0.0, target = 0.0;  // K, v of what was added to the rotor's row; K = 0: nothing
   };
   struct Axis {
     btVector3 direction{0, 0, 0};  // in the child's frame or else the parent's
     bool on_child = false, angular = true;
     int dof = 5;  // of a btGeneric6DofConstraint
     JointAxis law;
-    std::vector<Row> rows;
+    std::vector<Row> rows;  // a rotor's is the last
+    bool wide = false;      // has limits beyond what Bullet's angles can be
   };
 
   void make_axes(const Joint& joint);
   void make_rows(const SceneModel& model);
   void set_limits();
+  void set_limits(const Axis& axis, double lower, double upper);
+  void set_wide_limits(const Axis& axis, double q);
   std::unique_ptr<btGeneric6DofConstraint> make_six() const;
   Extra* make_extra();
   void drive(const Axis& axis, Row& row, double dt, double velocity, double softness);
   void stop(const Axis& axis, Row& row);
-  void apply_law(const Axis& axis, Row& row, const Drive& law, double dt, double q, double u);
+  void apply_law(const Axis& axis, const btVector3& along, Row& row, const Drive& law, double dt,
+                 double q, double u);
+  void apply_rotor(Axis& axis, const btVector3& along, double dt, double u);
   void push(const btVector3& force, const btVector3& torque);
 
   btVector3 direction(const Axis& axis, const btTransform& X_A, const btTransform& X_B) const;
@@ -101,7 +116,7 @@ class ConstraintJoint {
   std::unique_ptr<btTypedConstraint> main_;
   Load load_;
   std::vector<std::unique_ptr<Extra>> extras_;
-  double softness_;
+  double softness_, stiff_ = 0.0;
   bool has_laws_ = false, collide_ = false;
   Load explicit_;  // on the child at M, last step
 };

@@ -12,6 +12,7 @@
 
 #include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/scene_state.h"
+#include "cogrsim/physics/warnings.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {
@@ -23,14 +24,42 @@ constexpr double kFarthest = 1e6;  // [m]
 constexpr double kFastest = 1e5;   // [m/s]
 constexpr double kMostSpin = 1e6;  // [rad/s]
 
+// Sweeps over the rows of joints where there are rotors or couplings, at most, and the square of the
+// change of speeds in one [rad^2/s^2] that ends them. A double pendulum with rotors of 5, 50, 250 times
+// its links' inertia is within 0.5 mrad of a direct solver's after 3 s with 200 sweeps; with 1000 times
+// it is 8 mrad off, with 1000 sweeps 0.
+constexpr int kSweeps = 500;
+constexpr double kSettled = 1e-24;
+
+// A rotor's inertia over that of the bodies it turns, up to which they hold it.
+constexpr double kMostRotor = 1000.0;
+
+// A softness of rows from which Bullet's sweeps are slow to converge or diverge (1).
+constexpr double kSoftRow = 0.7;
+
 /// Keeps the rows of joints. btJointFeedback would sum them up in every step, asked for or not.
 template <class Solver>
-class RowKeeper final : public Solver {
+class RowKeeper : public Solver {
  public:
   template <class... Inner>
   explicit RowKeeper(JointRows& rows, Inner... inner) : Solver(inner...), rows_(rows) {}
 
  private:
+  // A sweep of Bullet's over a row adds rhs - cfm impulse - speed / mobility to its impulse, as if
+  // the softness were no part of the mobility. Its three numbers scaled, a soft row has the same
+  // solution and converges.
+  void convertJoints(btTypedConstraint** constraints, int count,
+                     const btContactSolverInfo& info) override {
+    Solver::convertJoints(constraints, count, info);
+    btConstraintArray& made = this->m_tmpSolverNonContactConstraintPool;
+    for (int i = 0; i < made.size(); ++i) {
+      if (made[i].m_cfm < kSoftRow) continue;
+      const double scale = 1.0 / (1.0 + made[i].m_cfm);
+      made[i].m_jacDiagABInv *= scale;
+      made[i].m_rhs *= scale;
+      made[i].m_cfm *= scale;
+    }
+  }
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int count,
                                          const btContactSolverInfo& info) override {
     const btConstraintArray& solved = this->m_tmpSolverNonContactConstraintPool;
@@ -47,6 +76,19 @@ class RowKeeper final : public Solver {
   JointRows& rows_;
 };
 
+/// Bullet's matrix knows one softness for all rows; each row has its own here as in the sweeps.
+class MatrixKeeper final : public RowKeeper<btMLCPSolver> {
+  using RowKeeper::RowKeeper;
+  void createMLCPFast(const btContactSolverInfo& info) override {
+    RowKeeper::createMLCPFast(info);
+    for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
+      const btSolverConstraint& row = *m_allConstraintPtrArray[i];
+      if (row.m_cfm > info.m_globalCfm)
+        m_A.setElem(i, i, m_A(i, i) + row.m_cfm / row.m_jacDiagABInv);
+    }
+  }
+};
+
 std::unique_ptr<btConstraintSolver> make_solver(const std::string& name,
                                                 std::unique_ptr<btMLCPSolverInterface>& mlcp,
                                                 JointRows& rows) {
@@ -54,7 +96,7 @@ std::unique_ptr<btConstraintSolver> make_solver(const std::string& name,
   if (name == "dantzig") mlcp = std::make_unique<btDantzigSolver>();
   if (name == "lemke") mlcp = std::make_unique<btLemkeSolver>();
   if (name == "projected-gauss-seidel") mlcp = std::make_unique<btSolveProjectedGaussSeidel>();
-  if (mlcp) return std::make_unique<RowKeeper<btMLCPSolver>>(rows, mlcp.get());
+  if (mlcp) return std::make_unique<MatrixKeeper>(rows, mlcp.get());
   if (name == "nncg") return std::make_unique<RowKeeper<btNNCGConstraintSolver>>(rows);
   return std::make_unique<RowKeeper<btSequentialImpulseConstraintSolver>>(rows);
 }
@@ -147,6 +189,10 @@ Result<> Engine::build(const WorldState& state) {
     add_body(static_cast<int>(b), state);
   }
   positions_ = state.joint_positions;
+  if (!model_->couplings.empty() || has_rotors(*model_)) {
+    sweeps_ = kSweeps;
+    world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
+  }
   for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
   // Pairs that the scene excludes from collision. A constraint excludes its own two bodies.
   for (const auto& [first, second] : model_->no_collide) {
@@ -212,7 +258,7 @@ void Engine::add_joint(int joint) {
   auto constraint = std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
       frame_of(made.child, made.X_CM), option<double>(*options_, "cfm"));
-  constraint->add_to(*world_);
+  constraint->add_to(*world_, sweeps_);
   joints_.push_back(std::move(constraint));
 }
 
@@ -240,31 +286,28 @@ double* Engine::count_turns(int joint) const {
   return q;
 }
 
-int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
-                 const std::vector<Wrench>& external) {
+int Engine::step(double dt, const StepInput& input) {
   double spin = 0.0;
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
     Part& part = parts_[b];
-    const Twist& V = twists[b];
-    const double angle = V.angular.norm() * dt;
-    part.pose.p += V.linear * dt;
-    if (angle > 0) {
-      const Quat turn(Eigen::AngleAxisd(angle, V.angular.normalized()));
-      part.pose.q = (turn * part.pose.q).normalized();
-    }
-    spin = std::max(spin, angle / dt);
+    part.pose = moved(part.pose, input.twists[b], dt);
+    spin = std::max(spin, input.twists[b].angular.norm());
     before_[b].X = to_bt(part.pose * part.X_BG);
     part.rigid->setWorldTransform(before_[b].X);
   }
   for (const auto& joint : joints_) {
-    if (joint->has_laws()) joint->apply(dt, drives, [&] { return count_turns(joint->joint()); });
+    const bool pushed = !input.efforts.empty();
+    if (!joint->has_laws() && !pushed) continue;
+    joint->apply(dt, input.drives,
+                 pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
+                 [&] { return count_turns(joint->joint()); });
   }
   for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
-  for (std::size_t b = 0; b < external.size(); ++b) {  // Bullet clears them after the step
+  for (std::size_t b = 0; b < input.external.size(); ++b) {  // Bullet clears them after the step
     if (!parts_[b].rigid) continue;
-    parts_[b].rigid->applyCentralForce(to_bt(external[b].force));
-    parts_[b].rigid->applyTorque(to_bt(external[b].torque));
+    parts_[b].rigid->applyCentralForce(to_bt(input.external[b].force));
+    parts_[b].rigid->applyTorque(to_bt(input.external[b].torque));
   }
   dt_ = dt;
   rows_.resizeNoInitialize(0);
@@ -291,13 +334,25 @@ int Engine::step(double dt, const std::vector<Drive>& drives, const std::vector<
   }
   // Two bodies turn against each other by at most twice that; half a turn may not be missed.
   turned_ += 2.0 * dt * std::sqrt(most);
-  if (turned_ > 2.0) {
-    for (std::size_t j = 0; j < model_->joints.size(); ++j) {
-      if (!model_->joints[j].removed) count_turns(static_cast<int>(j));
-    }
-    turned_ = 0.0;
-  }
+  if (turned_ > 2.0) count_all_turns();
   return -1;
+}
+
+void Engine::count_all_turns() const {
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) {
+    if (!model_->joints[j].removed) count_turns(static_cast<int>(j));
+  }
+  turned_ = 0.0;
+}
+
+std::vector<Diagnostic> Engine::warnings() const {
+  if (mlcp_) return {};
+  std::vector<std::vector<double>> ratios(model_->joints.size());
+  for (const auto& joint : joints_) {
+    for (std::size_t i = 0; i < model_->joints[joint->joint()].axes.size(); ++i)
+      ratios[at(joint->joint())].push_back(joint->rotor_ratio(i));
+  }
+  return rotor_warnings(*model_, "bullet", ratios, kMostRotor);
 }
 
 Pose Engine::pose(int body) const {

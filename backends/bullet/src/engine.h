@@ -12,9 +12,9 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolverInterface.h>
 
+#include "cogrsim/core/diagnostic.h"
 #include "cogrsim/model/scene_model.h"
-#include "cogrsim/physics/drive.h"
-#include "cogrsim/physics/state.h"
+#include "cogrsim/physics/hosted_world.h"
 #include "constraint_joint.h"
 #include "options.h"
 #include "shapes.h"
@@ -34,9 +34,17 @@ struct JointRow {
 };
 using JointRows = btAlignedObjectArray<JointRow>;
 
+/// What a step is given. `efforts`: along the joints' speeds, or none; `twists`: of kinematic bodies,
+/// by body.
+struct StepInput {
+  const std::vector<Drive>& drives;
+  const std::vector<double>& efforts;
+  const std::vector<Twist>& twists;
+  const std::vector<Wrench>& external;
+};
+
 /// Everything that a step depends on; see Engine::save().
-struct Memory {
-  virtual ~Memory() = default;
+struct Memory : HostedMemory {
   SceneModelPtr model;
 };
 
@@ -49,10 +57,11 @@ class Engine {
 
   const SceneModelPtr& model() const { return model_; }
 
-  /// One stepSimulation(dt, 0). `twists`: of kinematic bodies, by body. Returns the first body that
-  /// has left all bounds, with everything back where it was before; -1: none.
-  int step(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
-           const std::vector<Wrench>& external);
+  /// One stepSimulation(dt, 0). Returns the first body that has left all bounds, with everything back
+  /// where it was before; -1: none.
+  int step(double dt, const StepInput& input);
+  /// Rotors that the solver's sweeps do not hold.
+  std::vector<Diagnostic> warnings() const;
 
   Pose pose(int body) const;
   /// Of the body's origin; kinematic bodies excepted.
@@ -100,6 +109,7 @@ class Engine {
   btTransform start_of(int body) const;
   Motion motion_of(const Part& part, const Pose& X, const Twist& V) const;
   double* count_turns(int joint) const;
+  void count_all_turns() const;
   void sum_rows() const;
 
   OptionsPtr options_;
@@ -116,6 +126,7 @@ class Engine {
   std::vector<Part> parts_;                               // by body
   std::vector<std::unique_ptr<ConstraintJoint>> joints_;  // in the order of the model
 
+  int sweeps_ = -1;                      // over the rows of joints; -1: as many as over all
   bool sound_ = false;                   // no exception has left Bullet's world half changed
   std::vector<int> movers_, kinematic_;  // bodies: those that forces move; the others that move
   std::vector<Motion> before_;  // the last step, by body; kinematic ones, where it put them

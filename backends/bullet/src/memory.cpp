@@ -64,6 +64,7 @@ int body_of(const btBroadphaseProxy& proxy) {
 
 std::shared_ptr<const Memory> Engine::save() const {
   auto out = std::make_shared<FullMemory>();
+  count_all_turns();
   out->model = model_;
   out->before = before_;
   out->positions = positions_;

@@ -67,6 +67,9 @@ Capabilities make_capabilities() {
     set(to_string(type), {"joint.stiffness."}, differs,
         "an explicit torque: unstable beyond a stiffness of 4 times the inertia over the step "
         "squared");
+    set(to_string(type), {"joint.rotor-inertia."}, differs,
+        "a motor towards the speed at the start of the step, as soft as the inertia; with "
+        "solver=quick 20 sweeps hold rotors of 10 times the inertia of the bodies they turn");
     if (type == JointType::planar) continue;
     set(to_string(type), {"joint.limit."}, differs,
         "ODE's stops act once they are passed and give back erp (0.2) of the speed");
@@ -75,6 +78,9 @@ Capabilities make_capabilities() {
                "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
                "report.joint_reaction", "report.joint_effort"},
               Support::exact);
+  out.set("joint.coupling", differs,
+          "an effort found before each step and constant over it, which all its joints feel");
+  out.set("joint.coupling-effort", Support::exact);
   out.set("contact.stiffness", differs, "a spring and damper for each point of contact");
   out.set("contact.surface-velocity", differs, "friction is a pyramid along and across it");
   out.set("contact.rolling-friction", differs, "bounded about each of two axes by itself");

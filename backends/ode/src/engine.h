@@ -37,6 +37,8 @@ class Engine {
   /// only the destructor may be called.
   void step(double h, unsigned long& seed);
 
+  bool is_iterative() const { return options_.quick; }
+
   /// Contacts of the last step, in the order of bodies and shapes.
   void report(std::vector<Contact>& out) const;
   void forget_contacts() { touched_ = 0; }

@@ -16,6 +16,8 @@ namespace {
 // A direction that was turned into a frame and back is off by some last digits.
 constexpr double kRounding = 1e-15;
 constexpr double kFits = 1e-9;  // [m], [rad]
+// Stops of an angle that are nearer to each other are told apart whatever passes one of them [rad].
+constexpr double kNarrow = 6.0;
 
 Vec3 cleaned(Vec3 direction) {
   for (int i = 0; i < 3; ++i) {
@@ -48,38 +50,25 @@ bool has_motors(JointType type) {
 }
 
 // Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
-// stops of which one is beyond that, else where the scene's is.
+// stops of which one is beyond that and which it can tell apart, else where the scene's is.
 double zero_between_stops(const Joint& joint, int axis) {
   const JointAxis& stops = joint.axes[axis];
-  if (!axis_turns(joint.type, axis) || !std::isfinite(stops.lower) || !std::isfinite(stops.upper) ||
+  const double range = stops.upper - stops.lower;
+  if (!axis_turns(joint.type, axis) || !(range < kNarrow) ||
       (stops.lower > -kPi && stops.upper < kPi)) {
     return 0.0;
   }
   return 0.5 * (stops.lower + stops.upper);
 }
 
-}  // namespace
-
-Result<> check_joints(const SceneModel& model) {
-  if (auto fine = check_motors(model); !fine) return fine;
-  for (const Joint& joint : model.joints) {
-    if (joint.removed) continue;
-    for (std::size_t i = 0; i < joint.axes.size(); ++i) {
-      const JointAxis& axis = joint.axes[i];
-      if (!axis.has_limit() || !axis_turns(joint.type, static_cast<int>(i))) continue;
-      const double zero = zero_between_stops(joint, static_cast<int>(i));
-      const auto is_within = [&](double stop) {
-        return std::isinf(stop) || std::abs(stop - zero) < kPi;
-      };
-      if (is_within(axis.lower) && is_within(axis.upper)) continue;
-      return fail("joint '" + joint.name + "': ODE counts no turns between stops",
-                  source_position(model, joint.origin),
-                  "set limits less than 360 degrees apart, or one within 180 degrees of zero, or "
-                  "use another backend");
-    }
-  }
-  return {};
+// Whether a coordinate can come to a stop of which ODE's angle knows nothing.
+bool is_wide(const Joint& joint, int axis) {
+  const JointAxis& stops = joint.axes[axis];
+  return axis_turns(joint.type, axis) && stops.has_limit() &&
+         !(stops.upper - stops.lower < kNarrow);
 }
+
+}  // namespace
 
 JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
                      const JointEnd& child, const Options& options)
@@ -118,6 +107,10 @@ JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const J
   for (std::size_t i = 0; has_stops && i < joint_->axes.size(); ++i) {
     const JointAxis& axis = joint_->axes[i];
     if (!axis.has_limit()) continue;
+    if (is_wide(*joint_, static_cast<int>(i))) {
+      wide_ = true;
+      continue;
+    }
     const int group = group_of(static_cast<int>(i));
     set_param(id_, dParamLoStop + group, axis.lower - zero[i]);
     set_param(id_, dParamHiStop + group, axis.upper - zero[i]);
@@ -253,6 +246,7 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
     }
     if (axis.friction > 0.0) set(add(), 0.0, axis.friction, cfm_);
     if (axis.damping > 0.0) set(add(), 0.0, dInfinity, 1.0 / axis.damping);
+    if (axis.rotor_inertia > 0.0) add().rotor = has_rotor_ = true;
     if (axis.stiffness > 0.0) {
       Law& spring = laws_.emplace_back();
       spring.speed = i;
@@ -278,7 +272,8 @@ void JointLink::set(Law& law, const Drive& drive, double h, double* q) const {
   const double stiff = drive.kd + h * drive.kp;
   if (stiff <= 0.0) {
     set(law, 0.0, 0.0, cfm_);
-    return apply(law, std::clamp(drive.bias, -drive.max_effort, drive.max_effort));
+    law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
+    return push(law.speed, law.applied);
   }
   double away = 0.0;
   if (drive.kp > 0.0) {
@@ -289,16 +284,15 @@ void JointLink::set(Law& law, const Drive& drive, double h, double* q) const {
       1.0 / stiff);
 }
 
-void JointLink::apply(Law& law, double effort) const {
-  law.applied = effort;
+void JointLink::push(int speed, double effort) const {
   if (effort == 0.0) return;
   const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
-  const Vec3 d = effort * direction(law.speed, X_WF, X_WM), &at = X_WM.p;
+  const Vec3 d = effort * direction(speed, X_WF, X_WM), &at = X_WM.p;
   for (const double side : {1.0, -1.0}) {
     const dBodyID body = side > 0.0 ? child_.id() : parent_.id();
     if (!body) continue;
     const Vec3 e = side * d;
-    if (turns(law.speed)) {
+    if (turns(speed)) {
       dBodyAddTorque(body, e.x(), e.y(), e.z());
     } else {
       dBodyAddForceAtPos(body, e.x(), e.y(), e.z(), at.x(), at.y(), at.z());
@@ -306,17 +300,71 @@ void JointLink::apply(Law& law, double effort) const {
   }
 }
 
-void JointLink::drive(double h, const std::vector<Drive>& drives, double* q) {
+double JointLink::stop_angle(int axis) const {
+  switch (dJointGetType(id_)) {
+    case dJointTypeHinge:
+      return dJointGetHingeAngle(id_);
+    case dJointTypePiston:
+      return dJointGetPistonAngle(id_);
+    default:
+      return group_of(axis) == 0 ? dJointGetUniversalAngle1(id_) : dJointGetUniversalAngle2(id_);
+  }
+}
+
+void JointLink::set_wide_stops(const double* q) const {
+  for (std::size_t i = 0; i < joint_->axes.size(); ++i) {
+    const int axis = static_cast<int>(i), group = group_of(axis);
+    if (!is_wide(*joint_, axis)) continue;
+    // ODE takes an angle for free where both are beyond half a turn.
+    const double off = stop_angle(axis) - q[i];
+    set_param(id_, dParamLoStop + group, joint_->axes[i].lower + off);
+    set_param(id_, dParamHiStop + group, joint_->axes[i].upper + off);
+  }
+}
+
+void JointLink::drive(double h, const std::vector<Drive>& drives,
+                      const std::vector<double>& efforts, double* q) {
+  double u[6];
+  if (!id_) return;
+  if (wide_ || has_rotor_) update(q);
+  if (wide_) set_wide_stops(q);
+  if (has_rotor_) velocities(q, u);
   for (Law& law : laws_) {
     law.applied = 0.0;
+    const JointAxis& axis = joint_->axes[law.speed];
     if (law.drive >= 0) {
       set(law, drives[law.drive], h, q);
+    } else if (law.rotor) {
+      set(law, u[law.speed], dInfinity, h / axis.rotor_inertia);
     } else if (law.spring) {
-      const JointAxis& axis = joint_->axes[law.speed];
       update(q);
-      apply(law, axis.stiffness * (axis.rest - q[law.speed]));
+      law.applied = axis.stiffness * (axis.rest - q[law.speed]);
+      push(law.speed, law.applied);
     }
   }
+  for (int i = 0; !efforts.empty() && i < speed_count(joint_->type); ++i) {
+    pushed_[i] = efforts[joint_->speed_offset + i];
+    push(i, pushed_[i]);
+  }
+}
+
+std::vector<double> JointLink::rotor_ratios() const {
+  std::vector<double> out(joint_->axes.size(), 0.0);
+  const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
+  for (const Law& law : laws_) {
+    const Vec3 d = direction(law.speed, X_WF, X_WM);
+    for (const JointEnd* end : {&parent_, &child_}) {
+      if (!law.rotor || !end->id() || dBodyIsKinematic(end->id()) != 0) continue;
+      dMass mass;
+      dBodyGetMass(end->id(), &mass);
+      const Vec3 local = end->pose().q.conjugate() * d;
+      const Mat3 I =
+          Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mass.I).leftCols<3>();
+      out[law.speed] += joint_->axes[law.speed].rotor_inertia *
+                        (turns(law.speed) ? local.dot(I.inverse() * local) : 1.0 / mass.mass);
+    }
+  }
+  return out;
 }
 
 void JointLink::update(double* q) const {
@@ -360,8 +408,18 @@ void JointLink::report(double h, const JointReport& out) const {
   if (!has_motors(joint_->type)) return;
   // Along an axis the joint itself transmits its stops and its own motor.
   for (int i = 0; i < speed_count(joint_->type); ++i) out.joint_efforts[i] = along(main, i);
+  for (int i = 0; i < speed_count(joint_->type); ++i) {
+    if (pushed_[i] == 0.0) continue;
+    const Vec3 e = pushed_[i] * direction(i, X_WF, X_WM);
+    (turns(i) ? out.reaction->torque : out.reaction->force) += e;
+  }
   for (const Law& law : laws_) {
     double effort = law.applied;
+    if (law.rotor) {  // inertia is not an effort of the joint's
+      law.own ? void(out.joint_efforts[law.speed] -= along(main, law.speed))
+              : void(on_child(law.feedback));
+      continue;
+    }
     if (effort != 0.0) {
       const Vec3 e = effort * direction(law.speed, X_WF, X_WM);
       (turns(law.speed) ? out.reaction->torque : out.reaction->force) += e;

@@ -14,9 +14,6 @@
 
 namespace cogrsim::ode {
 
-/// Errors: joints, stops and motors that ODE does not know and capabilities cannot say.
-Result<> check_joints(const SceneModel& model);
-
 /// Mean efforts of the last step.
 struct JointReport {
   double* joint_efforts = nullptr;  ///< of this joint's first speed
@@ -27,6 +24,12 @@ struct JointReport {
 /// One joint of the scene: a joint of ODE's (of a planar one two). The first law of each axis
 /// without stops is the joint's own motor, any other one an AMotor or LMotor beside it: at a stop
 /// ODE's own motors push with all they have, whichever way they are asked to run.
+///
+/// The inertia I of a rotor is a motor towards the speed u of the axis when the step begins, without a
+/// bound: u1 = u - cfm effort with cfm = h / I.
+///
+/// ODE's angles end at half a turn. Limits that are wider, and single ones, get ODE's angles before
+/// each step, from the coordinate in which turns are counted.
 class JointLink {
  public:
   /// Bodies are where the scene has them at its start; they are moved here and left elsewhere.
@@ -35,9 +38,14 @@ class JointLink {
   JointLink(const JointLink&) = delete;
   JointLink& operator=(const JointLink&) = delete;
 
-  /// Sets the motors for the next step of `h` and adds what no motor carries to the bodies' forces.
-  /// `q`: this joint's coordinates, brought up to date if the laws need them.
-  void drive(double h, const std::vector<Drive>& drives, double* q);
+  const Joint& joint() const { return *joint_; }
+  /// Sets the motors for the next step of `h` and adds what no motor carries to the bodies' forces, and
+  /// `efforts` along the scene's speeds if there are any. `q`: this joint's coordinates, brought up to
+  /// date if the laws need them.
+  void drive(double h, const std::vector<Drive>& drives, const std::vector<double>& efforts,
+             double* q);
+  /// By axis: the rotor's inertia over that of the two bodies alone.
+  std::vector<double> rotor_ratios() const;
   /// Brings the coordinates up to date; turns are counted from what `q` was.
   void update(double* q) const;
   void velocities(const double* q, double* u) const;
@@ -50,7 +58,8 @@ class JointLink {
     int speed = 0;
     int drive = -1;       ///< SceneModel::motors; -1: of the axis itself
     bool spring = false;  ///< of the axis; has no motor
-    bool own = false;     ///< the motor of the joint itself
+    bool rotor = false;
+    bool own = false;  ///< the motor of the joint itself
     dJointID id = nullptr;
     int group = 0;  ///< dParamGroup of the axis
     dJointFeedback feedback{};
@@ -71,7 +80,9 @@ class JointLink {
   Vec3 direction(int speed, const Pose& X_WF, const Pose& X_WM) const;
   void set(Law& law, double velocity, double bound, double cfm) const;
   void set(Law& law, const Drive& drive, double h, double* q) const;
-  void apply(Law& law, double effort) const;
+  void push(int speed, double effort) const;
+  double stop_angle(int axis) const;
+  void set_wide_stops(const double* q) const;
 
   const Joint* joint_ = nullptr;
   JointEnd parent_, child_, first_, second_;  ///< second_: nothing for what is immovable
@@ -81,6 +92,8 @@ class JointLink {
   dJointID normal_ = nullptr;  ///< of a planar joint
   dJointFeedback feedback_{}, normal_feedback_{};
   std::deque<Law> laws_;
+  std::array<double, 6> pushed_{};  ///< efforts from outside in the last step
+  bool wide_ = false, has_rotor_ = false;
 };
 
 }  // namespace cogrsim::ode

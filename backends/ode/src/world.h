@@ -2,83 +2,64 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "cogrsim/physics/scene_change.h"
-#include "cogrsim/physics/scene_state.h"
-#include "cogrsim/physics/world.h"
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/hosted_world.h"
 #include "engine.h"
 
 namespace cogrsim::ode {
 
-class OdeWorld final : public World,
-                       public JointReactions,
-                       public KinematicDrive,
-                       public ExternalForces {
+class OdeWorld final : public HostedWorld {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
-  const SceneModelPtr& model() const override { return now_.model; }
-  double time() const override { return now_.time; }
-  StepResult step(double dt, const std::vector<Drive>& drives) override;
-  void get_state(WorldState& out) const override;
-  Result<> set_state(const WorldState& state) override;
-  void get_contacts(std::vector<Contact>& out) const override { out = report().contacts; }
-  Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
-  Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
-  Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
-  SnapshotPtr save() const override;
-  Result<> restore(const SnapshotPtr& snapshot) override;
-  Result<> reset() override;
-  void* extension(std::string_view id) override {
-    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
-  }
-  void get_joint_reactions(std::vector<Wrench>& out) const override { out = report().reactions; }
-  Result<> set_kinematic_twist(int body, const Twist& twist) override;
+  std::vector<Diagnostic> warnings() const override;
 
  private:
   /// All that a run knows beside what ODE's bodies hold, which are read into it after each step.
-  struct Progress {
-    SceneModelPtr model;
-    double time = 0.0;
+  struct Progress final : HostedMemory {
     unsigned long seed = 0;
     std::vector<Motion> motions;  ///< of ODE's bodies (nbody)
-    /// (nbody) of static bodies, and the last of removed ones.
-    std::vector<Pose> poses;
-    std::vector<Twist> twists;  ///< the last of removed bodies (nbody)
-    std::vector<double> q, u;   ///< of joints; u: the last of removed ones
-    double turned = 0.0;  ///< how far anything may have turned since `q` was brought up to date
-    double h = 0.0;       ///< of the last step; 0: the report is not of this world's
-
-    /// Appends the start of bodies that are not in here yet, and of joints from `first_joint` on.
-    void add_start(std::size_t first_joint);
+    std::vector<double> q;        ///< of joints
+    double turned = 0.0;     ///< how far anything may have turned since `q` was brought up to date
+    double h = 0.0;          ///< of the last step
+    std::vector<int> order;  ///< Engine::order(), of what is saved
   };
-  struct Snapshot;
 
   OdeWorld() = default;
-  Result<> start(const SceneModelPtr& model);
-  /// Another engine for `progress.model`, with the motions of `progress`. Errors: as Engine::make;
-  /// nothing has changed then.
-  Result<> rebuild(Progress progress);
-  Result<> change_to(const SceneModelPtr& next, SceneStep step);
+  const char* engine_name() const override { return "ode"; }
+  Result<> check(const SceneModel& model) const override { return check_motors(model); }
+  Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
+  Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
+                   const SceneChange& change) override;
+  StepResult advance(double dt, const std::vector<Drive>& drives,
+                     const std::vector<double>& efforts) override;
+  void read(WorldState& out) const override;
+  Result<> write(const WorldState& state) override;
+  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
+  void read_contacts(std::vector<Contact>& out) const override { engine_->report(out); }
+  void read_reactions(std::vector<Wrench>& out) const override;
+  MemoryPtr save_memory() const override;
+  Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
+                          const WorldState& begin) override;
+  void move_kinematic(int body) override;
+  bool lacks_couplings() const override { return true; }
+
+  /// Another engine for `model` with the motions of `progress`. Errors: as Engine::make; nothing has
+  /// changed then.
+  Result<> make(const SceneModelPtr& model, const std::vector<Pose>& poses, Progress progress);
   void write_motions();
   /// The first body beyond all bounds after reading all; -1: none.
   int read_motions();
   void update_joints();
-  StepResult diverged(int body, std::string what);
-  Pose pose_of(int body) const;
-  Twist twist_of(int body) const;
-  const StepReport& report() const;
-  void forget_report() const;
+  StepResult lost(int body, std::string what);
 
-  SceneModelPtr initial_;
   ShapeData shapes_;
   Progress now_;
   std::vector<Motion> before_;  ///< Progress::motions before the last step
   std::unique_ptr<Engine> engine_;
   bool unchecked_ = true;  ///< motions that no step has left
-  mutable StepReport report_;
-  mutable bool reported_ = false;
 };
 
 }  // namespace cogrsim::ode

@@ -28,7 +28,11 @@ Capabilities make_capabilities() {
             "a stiff spring (MobilityLinearStop), passed by some mrad or 0.1 mm");
     out.set("joint.friction." + name, Support::approximate,
             "a drive towards rest with a bound, its effort constant over a step");
+    out.set("joint.rotor-inertia." + name, Support::exact);
   }
+  out.set("joint.coupling", Support::exact);
+  out.set("joint.coupling-effort", Support::unsupported,
+          "a constraint of Simbody's holds whatever it takes; another backend's couplings slip");
   out.set("joint.limit.ball", Support::unsupported,
           "Simbody has no stop for a ball joint; use a universal joint with limits");
   out.set("joint.stiffness.ball", Support::unsupported,
@@ -101,7 +105,8 @@ class SimbodyBackend final : public Backend {
     }
     out[StepStage::joints] = {engine,
                               "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
-                              "Constraint::Weld"};
+                              "Constraint::Weld; rotors: Constraint::SpeedCoupler, couplings: "
+                              "Constraint::CoordinateCoupler"};
     out[StepStage::limits] = {engine, "Force::MobilityLinearStop"};
     out[StepStage::motors] = {
         ours,

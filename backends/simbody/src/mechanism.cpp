@@ -96,6 +96,8 @@ Mechanism::Mechanism(SceneModelPtr model, std::vector<Pose> static_poses, const 
   matter.setShowDefaultGeometry(false);
   forces.setNumberOfThreads(1);
   plan();
+  add_rotors();
+  add_couplings();
   SimTK::Force::Gravity gravity(forces, matter, to_simtk(model_->physics.gravity));
   for (const Link& link : links_) {
     const double scale = link.kinematic ? 0.0 : model_->bodies[link.body].gravity_scale;
@@ -193,6 +195,11 @@ void Mechanism::plan() {
   weld_slaves();
 }
 
+void Mechanism::join_trees(int one, int other) {
+  for (Link& each : links_)
+    if (each.tree == std::max(one, other)) each.tree = std::min(one, other);
+}
+
 void Mechanism::weld_slaves() {
   // What fixed joints hold together already needs no weld, and Simbody has none without freedom.
   const auto held_by = [&](int i) {
@@ -202,9 +209,7 @@ void Mechanism::weld_slaves() {
   for (const Link& link : links_) {
     if (!link.slave) continue;
     const int whole = body_link(link.body);
-    const int tree = link.tree, other = links_[whole].tree;
-    for (Link& each : links_)
-      if (each.tree == std::max(tree, other)) each.tree = std::min(tree, other);
+    join_trees(link.tree, links_[whole].tree);
     if (held_by(whole) == held_by(int(&link - links_.data()))) continue;
     SimTK::MobilizedBody master = links_[whole].mobod, slave = link.mobod;
     has_loops_ = true;
@@ -238,6 +243,82 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
   links_.push_back(link);
 }
 
+void Mechanism::add_rotors() {
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    if (links_[l].joint < 0) continue;
+    const Joint& joint = model_->joints[links_[l].joint];
+    for (int i = 0; i < speed_count(joint.type) && !joint.axes.empty(); ++i) {
+      Rotor rotor;
+      rotor.link = int(l);
+      rotor.axis = i;
+      rotor.inertia = joint.axes[joint.type == JointType::ball ? 0 : std::size_t(i)].rotor_inertia;
+      if (rotor.inertia <= 0.0) continue;
+      const SimTK::Body::Rigid body(
+          SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::Inertia(rotor.inertia)));
+      rotor.pin = SimTK::MobilizedBody::Pin(matter.Ground(), body);
+      SimTK::Array_<SimTK::MobilizedBodyIndex> bodies(2, rotor.pin.getMobilizedBodyIndex());
+      SimTK::Array_<SimTK::MobilizerUIndex> speeds(2, SimTK::MobilizerUIndex(0));
+      bodies[0] = links_[l].mobod.getMobilizedBodyIndex();
+      speeds[0] = SimTK::MobilizerUIndex(links_[l].u_map[i]);
+      const SimTK::Vector difference(SimTK::Vec3(1, -1, 0));
+      const SimTK::Constraint::SpeedCoupler coupler(matter, new SimTK::Function::Linear(difference),
+                                                    bodies, speeds);
+      has_loops_ = true;
+      rotors_.push_back(rotor);
+    }
+  }
+}
+
+void Mechanism::add_couplings() {
+  for (const Coupling& coupling : model_->couplings) {
+    if (coupling.removed) continue;
+    std::vector<std::pair<int, double>> terms = {{coupling.joint, 1.0}};
+    for (const CouplingTerm& term : coupling.terms) terms.emplace_back(term.joint, -term.ratio);
+    SimTK::Array_<SimTK::MobilizedBodyIndex> bodies;
+    SimTK::Array_<SimTK::MobilizerQIndex> coordinates;
+    SimTK::Vector factors(int(terms.size()) + 1, 0.0);
+    double still = -coupling.offset;  // what does not move is where it begins
+    for (const auto& [joint, factor] : terms) {
+      const int index = joint_link(joint);
+      if (index < 0) {
+        still += factor * model_->joints[joint].position.at(0);
+        continue;
+      }
+      const Link& link = links_[index];
+      factors[int(bodies.size())] = factor;
+      bodies.push_back(link.mobod.getMobilizedBodyIndex());
+      coordinates.push_back(SimTK::MobilizerQIndex(link.q_map[0]));
+      join_trees(link.tree, links_[int(bodies.front()) - 1].tree);
+    }
+    if (bodies.empty()) continue;
+    factors.resizeKeep(int(bodies.size()) + 1);
+    factors[int(bodies.size())] = still;
+    couplers_.emplace_back(int(&coupling - model_->couplings.data()),
+                           SimTK::Constraint::CoordinateCoupler(
+                               matter, new SimTK::Function::Linear(factors), bodies, coordinates));
+    has_loops_ = true;
+  }
+}
+
+void Mechanism::add_coupling_efforts(const SimTK::State& state, std::vector<double>& joints) const {
+  if (couplers_.empty()) return;
+  system.realize(state, SimTK::Stage::Acceleration);
+  for (const auto& [index, coupler] : couplers_) {
+    const Coupling& coupling = model_->couplings[index];
+    const double effort = -coupler.getMultipliersAsVector(state)[0];
+    joints[model_->joints[coupling.joint].speed_offset] += effort;
+    for (const CouplingTerm& term : coupling.terms)
+      joints[model_->joints[term.joint].speed_offset] -= term.ratio * effort;
+  }
+}
+
+void Mechanism::set_rotors(SimTK::State& state) const {
+  for (const Rotor& rotor : rotors_) {
+    const Link& link = links_[rotor.link];
+    state.updU()[rotor.u] = state.getU()[link.u + link.u_map[rotor.axis]];
+  }
+}
+
 void Mechanism::add_axes(const Joint& joint, const Link& link) {
   const bool ball = joint.type == JointType::ball;
   if (joint.axes.empty()) return;
@@ -249,6 +330,7 @@ void Mechanism::add_axes(const Joint& joint, const Link& link) {
     made.joint = link.joint;
     made.effort = joint.speed_offset + i;
     made.axis = axis;
+    made.rotor = axis.rotor_inertia;
     const SimTK::MobilizerUIndex u(link.u_map[i]);
     const SimTK::MobilizerQIndex q(link.q_map[i]);
     made.u = u;
@@ -274,6 +356,7 @@ SimTK::State Mechanism::realize_topology() {
     link.nq = link.mobod.getNumQ(state);
     link.nu = link.mobod.getNumU(state);
   }
+  for (Rotor& rotor : rotors_) rotor.u = int(rotor.pin.getFirstUIndex(state));
   for (AxisForces& axis : axes_) {
     const Link& link = links_[joint_link(axis.joint)];
     axis.q += link.q;
@@ -294,7 +377,8 @@ void Mechanism::set_stops(SimTK::State& state) {
     unit[axis.u] = 1.0;
     matter.multiplyByMInv(state, unit, column);
     unit[axis.u] = 0.0;
-    axis.stop_stiffness = options_.frequency * options_.frequency / std::max(column[axis.u], 1e-12);
+    const double square = options_.frequency * options_.frequency;
+    axis.stop_stiffness = square / std::max(column[axis.u], 1e-12) + square * axis.rotor;
     axis.stop.setMaterialProperties(state, axis.stop_stiffness, options_.stop_dissipation);
   }
 }
@@ -351,6 +435,7 @@ void Mechanism::set_all(SimTK::State& state, const WorldState& from) const {
               from.joint_velocities.data() + joint.speed_offset);
   }
   set_rates(state);
+  set_rotors(state);
   project(state);
 }
 

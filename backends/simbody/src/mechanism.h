@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "convert.h"
@@ -31,6 +32,14 @@ struct Link {
   int q = 0, nq = 0, u = 0, nu = 0;
 };
 
+/// A rotor on an axis: a body on a pin on the ground that a SpeedCoupler turns as fast as the axis.
+struct Rotor {
+  int link = -1, axis = 0;  ///< Mechanism::links(), the axis of its joint
+  double inertia = 0.0;
+  SimTK::MobilizedBody pin;
+  int u = 0;  ///< in the state
+};
+
 /// Springs, dampers and stops of one axis, as Simbody has them.
 struct AxisForces {
   int joint = -1;    ///< SceneModel::joints
@@ -40,6 +49,7 @@ struct AxisForces {
   SimTK::Force::MobilityLinearStop stop;
   bool stops = false;
   double stop_stiffness = 0.0;
+  double rotor = 0.0;  ///< inertia
 };
 
 class Mechanism {
@@ -60,6 +70,7 @@ class Mechanism {
   int joint_link(int joint) const { return joint_links_[joint]; }
   const SimTK::MobilizedBody& mobod(int body) const;
   const std::vector<AxisForces>& axes() const { return axes_; }
+  const std::vector<Rotor>& rotors() const { return rotors_; }
   bool has_loops() const { return has_loops_; }
 
   /// To be called once, when all forces are there: the scene's state at the start.
@@ -78,6 +89,10 @@ class Mechanism {
   /// Kinematic bodies move with the speeds that the state has.
   void set_rates(SimTK::State& state) const;
 
+  /// Rotors turn as their axes do.
+  void set_rotors(SimTK::State& state) const;
+  /// Of couplings in the state, to those of joints (WorldState::joint_efforts).
+  void add_coupling_efforts(const SimTK::State& state, std::vector<double>& joints) const;
   /// Forces on bodies (nbody), or none, from now on. Realized to Stage::Position.
   void set_external(SimTK::State& state, const std::vector<Wrench>& forces) const;
 
@@ -90,8 +105,11 @@ class Mechanism {
   int inboard(int link) const;
   void plan();
   void weld_slaves();
+  void join_trees(int one, int other);
   void add_link(Link link, int inboard, int anchor, int fragments);
   void add_axes(const Joint& joint, const Link& link);
+  void add_rotors();
+  void add_couplings();
   void set_stops(SimTK::State& state);
 
   SimTK::Force::DiscreteForces external_{forces, matter};
@@ -101,6 +119,8 @@ class Mechanism {
   std::vector<Link> links_;
   std::vector<int> body_links_, joint_links_;
   std::vector<AxisForces> axes_;
+  std::vector<Rotor> rotors_;
+  std::vector<std::pair<int, SimTK::Constraint::CoordinateCoupler>> couplers_;  ///< by coupling
   bool has_loops_ = false;
 };
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <exception>
 
-#include "cogrsim/physics/backend_checks.h"
-
 namespace cogrsim::simbody {
 
 namespace {
@@ -25,7 +23,7 @@ double stop_effort(const AxisForces& axis, double d, double q, double u) {
 }  // namespace
 
 SimbodyWorld::Engine::Engine(SceneModelPtr model, StaticPoses poses, const Options& options)
-    : static_poses(std::move(poses)), mechanism(std::move(model), *static_poses, options) {
+    : scene(model), static_poses(std::move(poses)), mechanism(model, *static_poses, options) {
   const auto& bodies = mechanism.model().bodies;
   const bool touches = std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
     return !body.removed && body.kind != BodyKind::static_body &&
@@ -42,38 +40,26 @@ SimbodyWorld::Engine::Engine(SceneModelPtr model, StaticPoses poses, const Optio
   drives.locate();
 }
 
-SimbodyWorld::SimbodyWorld(SceneModelPtr model, const Options& options)
-    : initial_(std::move(model)), options_(options) {
-  initial_static_poses_ = std::make_shared<const std::vector<Pose>>(initial_state(*initial_).poses);
-  start();
-}
-
 Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) {
   if (!model) return fail("no scene given");
-  if (auto fine = check_parts(*model); !fine) return tl::unexpected<Error>(fine.error());
   const auto options = read_options(*model);
   if (!options) return tl::unexpected<Error>(options.error());
+  std::unique_ptr<SimbodyWorld> out(new SimbodyWorld(*options));
+  if (auto started = out->start(model); !started) return tl::unexpected<Error>(started.error());
+  return out;
+}
+
+Result<> SimbodyWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   try {
-    return std::unique_ptr<World>(new SimbodyWorld(model, *options));
+    engine_ = std::make_shared<Engine>(
+        model, std::make_shared<const std::vector<Pose>>(begin.poses), options_);
   } catch (const std::exception& e) {
     return fail("Simbody: " + message_of(e), source_position(*model, model->physics.origin));
   }
-}
-
-void SimbodyWorld::start() {
-  auto engine = std::make_shared<Engine>(initial_, initial_static_poses_, options_);
   integrator_.reset();
-  engine_ = std::move(engine);
-  model_ = initial_;
   state_ = engine_->start;
-  time_ = last_dt_ = next_step_ = 0.0;
-  last_seen_ = initial_state(*model_);
-  forget_reports();
-}
-
-void SimbodyWorld::forget_reports() {
-  held_.clear(*model_);
-  stepped_ = false;
+  last_dt_ = next_step_ = 0.0;
+  return {};
 }
 
 void SimbodyWorld::start_integrator(double dt) {
@@ -101,7 +87,8 @@ void SimbodyWorld::stop_integrator() {
   integrator_.reset();
 }
 
-StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
+StepResult SimbodyWorld::advance(double dt, const std::vector<Drive>& drives,
+                                 const std::vector<double>&) {
   Engine& engine = *engine_;
   StepResult result;
   if (integrator_ && dt != last_dt_) stop_integrator();
@@ -118,19 +105,14 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
     if (!engine.drives.empty() || pushed) integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     run_integrator(start + dt);
     engine.mechanism.system.realize(state(), SimTK::Stage::Velocity);
-    result.body = find_diverged(state());
-    if (result.body >= 0)
-      result.message =
-          "body '" + model_->bodies[result.body].name + "' left all bounds (1000 km, 1000 km/s)";
+    if (const int b = find_diverged(state()); b >= 0) result = diverged(b, "1000 km, 1000 km/s");
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
     result.message = std::string("Simbody: ") + e.what();
   }
   if (result.message.empty()) {
-    time_ += dt;
     last_dt_ = dt;
-    stepped_ = true;
     return result;
   }
   result.status = StepStatus::diverged;
@@ -141,7 +123,6 @@ StepResult SimbodyWorld::step(double dt, const std::vector<Drive>& drives) {
   state_.updQ() = q;
   state_.updU() = u;
   next_step_ = 0.0;
-  forget_reports();
   return result;
 }
 
@@ -152,7 +133,7 @@ void SimbodyWorld::run_integrator(double end) {
     read_contacts(now);
     return now;
   };
-  efforts_.assign(std::size_t(model_->joint_speeds), 0.0);
+  efforts_.assign(std::size_t(model()->joint_speeds), 0.0);
   last_efforts_.assign(efforts_.size(), 0.0);
   add_efforts(look(), 0.0);
   contacts_.start(now_);
@@ -201,19 +182,10 @@ int SimbodyWorld::find_diverged(const SimTK::State& state) const {
   return -1;
 }
 
-StepReport SimbodyWorld::report() const {
-  if (!stepped_) return held_;
-  StepReport out;
-  get_efforts(out.joint_efforts, out.motor_efforts);
-  get_contacts(out.contacts);
-  get_joint_reactions(out.reactions);
-  return out;
-}
-
-std::vector<Wrench> SimbodyWorld::find_reactions() const {
+void SimbodyWorld::read_reactions(std::vector<Wrench>& out) const {
   const Mechanism& m = engine_->mechanism;
-  std::vector<Wrench> out(model_->joints.size());
-  if (out.empty()) return out;
+  out.assign(model()->joints.size(), Wrench());
+  if (out.empty()) return;
   m.system.realize(state(), SimTK::Stage::Acceleration);
   SimTK::Vector_<SimTK::SpatialVec> at_M;
   m.matter.calcMobilizerReactionForces(state(), at_M);
@@ -225,26 +197,23 @@ std::vector<Wrench> SimbodyWorld::find_reactions() const {
     out[j] = {from_simtk(F[1]), from_simtk(F[0])};
     if (!link.reversed) continue;
     // On the scene's parent, about its frame: the other way round, about the child's.
-    const Joint& joint = model_->joints[j];
+    const Joint& joint = model()->joints[j];
     const Vec3 arm =
         m.pose(state(), joint.parent) * joint.X_PF.p - m.pose(state(), joint.child) * joint.X_CM.p;
     out[j].torque = -(out[j].torque + arm.cross(out[j].force));
     out[j].force = -out[j].force;
   }
-  return out;
 }
 
-Result<> SimbodyWorld::set_kinematic_twist(int body, const Twist& twist) {
-  if (auto fine = check_kinematic_twist(*model_, body, twist); !fine) return fine;
+void SimbodyWorld::move_kinematic(int body) {
   stop_integrator();
   const Mechanism& m = engine_->mechanism;
   const Link& link = m.links()[m.body_link(body)];
   for (int k = 0; k < 3; ++k) {
-    state_.updU()[link.u + k] = twist.angular[k];
-    state_.updU()[link.u + 3 + k] = twist.linear[k];
+    state_.updU()[link.u + k] = twists()[body].angular[k];
+    state_.updU()[link.u + 3 + k] = twists()[body].linear[k];
   }
   m.set_rates(state_);
-  return {};
 }
 
 }  // namespace cogrsim::simbody

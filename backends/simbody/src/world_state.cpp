@@ -1,34 +1,133 @@
-// State of a SimbodyWorld: reading, writing, saving.
+// State of a SimbodyWorld: reading, writing, saving, and carrying it over to the next scene, for which
+// Simbody's system is built again.
 #include <algorithm>
-#include <cmath>
 #include <exception>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "world.h"
 
 namespace cogrsim::simbody {
 
-struct SimbodyWorld::Snapshot final : WorldSnapshot {
-  SceneModelPtr initial, model;
-  StaticPoses static_poses;
-  SimTK::Vector q, u;
-  double engine_time = 0.0, time = 0.0, next_step = 0.0;
-  WorldState last_seen;
-  StepReport report;
-};
+namespace {
 
-void SimbodyWorld::get_state(WorldState& out) const {
+void take_impact(const Mechanism& m, SimTK::State& state, const WorldState& seen,
+                 const std::vector<int>& inelastic) {
+  if (state.getNU() == 0) return;
+  std::vector<char> touched(m.links().size());  // by tree
+  for (const int b : inelastic)
+    if (m.body_link(b) >= 0) touched[m.links()[m.body_link(b)].tree] = 1;
+  m.system.realize(state, SimTK::Stage::Position);
+  // A plastic impact: of all velocities that the joints allow those with the momentum there was,
+  // M u = sum J^T (momentum), by Simbody's M and J.
+  SimTK::Vector_<SimTK::SpatialVec> momenta(m.matter.getNumBodies(),
+                                            SimTK::SpatialVec(SimTK::Vec3(0)));
+  for (const Link& link : m.links()) {
+    const Twist& V = seen.twists[link.body];
+    const SimTK::SpatialInertia M = link.mobod.getBodySpatialInertiaInGround(state);
+    momenta[link.mobod.getMobilizedBodyIndex()] =
+        M * SimTK::SpatialVec(to_simtk(V.angular), to_simtk(V.linear));
+  }
+  for (const Rotor& rotor : m.rotors()) {
+    const double momentum = rotor.inertia * state.getU()[rotor.u];
+    momenta[rotor.pin.getMobilizedBodyIndex()] =
+        SimTK::SpatialVec(SimTK::Vec3(0, 0, momentum), SimTK::Vec3(0));
+  }
+  SimTK::Vector f, u;
+  m.matter.multiplyBySystemJacobianTranspose(state, momenta, f);
+  m.matter.multiplyByMInv(state, f, u);
+  const SimTK::Vector old_u = state.getU();
+  for (const Link& link : m.links())
+    for (int k = 0; k < link.nu && touched[link.tree] && !link.kinematic; ++k)
+      state.updU()[link.u + k] = u[link.u + k];
+  if (!m.has_loops()) return;
+  m.system.realize(state, SimTK::Stage::Velocity);
+  const SimTK::Vector error = -state.getUErr();
+  if (error.size() == 0) return;
+  SimTK::Vector impulse;
+  m.matter.solveForConstraintImpulses(state, error, impulse);
+  m.matter.multiplyByGTranspose(state, impulse, f);
+  m.matter.multiplyByMInv(state, f, u);
+  state.updU() += u;
+}
+
+}  // namespace
+
+Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
+                               const SceneChange& change) {
+  // Bodies with an inelastic impact: of a new joint, or made static.
+  std::vector<int> inelastic;
+  for (const int j : change.attached)
+    inelastic.insert(inelastic.end(), {next->joints[j].parent, next->joints[j].child});
+  for (const int b : change.kinds) {
+    for (const Joint& joint : next->joints)
+      if (!joint.removed && (joint.parent == b || joint.child == b))
+        inelastic.insert(inelastic.end(), {joint.parent, joint.child});
+  }
+  const std::shared_ptr<Engine> old = engine_;
+  stop_integrator();
+  try {
+    engine_ = std::make_shared<Engine>(next, std::make_shared<const std::vector<Pose>>(begin.poses),
+                                       options_);
+    state_ = carried_over(old->mechanism, begin, inelastic);
+  } catch (const std::exception& e) {
+    engine_ = old;
+    return fail("Simbody: " + message_of(e));
+  }
+  return {};
+}
+
+SimTK::State SimbodyWorld::carried_over(const Mechanism& old, const WorldState& seen,
+                                        const std::vector<int>& inelastic) const {
+  const Mechanism& m = engine_->mechanism;
+  const SceneModel& was = old.model();
+  const SimTK::State& old_state = state_;
+  SimTK::State next = engine_->start;
+  next.updTime() = old_state.getTime();
+  bool same_loops = old.has_loops() == m.has_loops() && inelastic.empty();
+  for (const Link& link : m.links()) {
+    const auto body = std::size_t(link.body);
+    if (body >= was.bodies.size()) continue;  // as the scene has it
+    // The same mobilizer as before: bit for bit.
+    const Link* found = nullptr;
+    for (const Link& candidate : old.links())
+      if (candidate.body == link.body && candidate.joint == link.joint &&
+          candidate.reversed == link.reversed && candidate.slave == link.slave)
+        found = &candidate;
+    if (found && was.bodies[body].kind == m.model().bodies[body].kind) {
+      for (int k = 0; k < link.nq; ++k) next.updQ()[link.q + k] = old_state.getQ()[found->q + k];
+      for (int k = 0; k < link.nu; ++k) next.updU()[link.u + k] = old_state.getU()[found->u + k];
+      continue;
+    }
+    same_loops = false;
+    if (link.joint < 0) {
+      m.set_base(next, link, seen.poses[body], seen.twists[body]);
+      continue;
+    }
+    const Joint& joint = m.model().joints[link.joint];
+    double q[7], u[6];
+    std::copy_n(seen.joint_positions.data() + joint.position_offset, position_count(joint.type), q);
+    read_joint(joint, seen, q, u);
+    m.set_joint(next, link, q, u);
+  }
+  m.set_rates(next);
+  m.set_rotors(next);
+  if (!inelastic.empty()) take_impact(m, next, seen, inelastic);
+  if (!same_loops && m.has_loops()) m.project(next);
+  m.system.realize(next, SimTK::Stage::Velocity);
+  return next;
+}
+
+void SimbodyWorld::read(WorldState& out) const {
+  const SceneModel& model = *this->model();
   const Mechanism& m = engine_->mechanism;
   const SimTK::State& now = state();
   m.system.realize(now, SimTK::Stage::Velocity);
-  out = last_seen_;
-  for (std::size_t b = 0; b < model_->bodies.size(); ++b) {
-    if (model_->bodies[b].removed) continue;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (model.bodies[b].removed) continue;
     out.poses[b] = m.pose(now, int(b));
     out.twists[b] = m.twist(now, int(b));
   }
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) {
-    const Joint& joint = model_->joints[j];
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
     double* const q = out.joint_positions.data() + joint.position_offset;
     double* const u = out.joint_velocities.data() + joint.speed_offset;
     const int link = m.joint_link(int(j));
@@ -38,86 +137,57 @@ void SimbodyWorld::get_state(WorldState& out) const {
     else if (!joint.removed)
       read_joint(joint, out, q, u);
   }
-  get_efforts(out.joint_efforts, out.motor_efforts);
 }
 
-void SimbodyWorld::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints = held_.joint_efforts;
-  motors = held_.motor_efforts;
-  if (!stepped_) return;
+void SimbodyWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   joints.resize(efforts_.size());
   std::transform(efforts_.begin(), efforts_.end(), joints.begin(),
                  [&](double impulse) { return impulse / last_dt_; });
-  motors.assign(model_->motors.size(), 0.0);
+  motors.assign(model()->motors.size(), 0.0);
   engine_->drives.get_efforts(state(), joints, motors);
+  engine_->mechanism.add_coupling_efforts(state(), joints);
 }
 
-Result<> SimbodyWorld::set_state(const WorldState& state) {
-  if (auto fine = check_state(*model_, state); !fine) return fine;
+Result<> SimbodyWorld::write(const WorldState& state) {
   stop_integrator();
   const SimTK::Vector q = state_.getQ(), u = state_.getU();
-  WorldState placed = state;
-  for (Pose& X : placed.poses) X.q.normalize();
   try {
-    engine_->mechanism.set_all(state_, placed);
+    engine_->mechanism.set_all(state_, state);
   } catch (const std::exception& e) {
     state_.updQ() = q;
     state_.updU() = u;
     return fail("Simbody: " + message_of(e));
   }
   next_step_ = 0.0;
-  forget_reports();
   return {};
 }
 
-SnapshotPtr SimbodyWorld::save() const {
-  auto out = std::make_shared<Snapshot>();
-  out->initial = initial_;
-  out->model = model_;
+HostedWorld::MemoryPtr SimbodyWorld::save_memory() const {
+  auto out = std::make_shared<Saved>();
   out->static_poses = engine_->static_poses;
   out->q = state().getQ();
   out->u = state().getU();
-  out->engine_time = state().getTime();
-  out->time = time_;
+  out->time = state().getTime();
   out->next_step = integrator_ ? integrator_->getPredictedNextStepSize() : next_step_;
-  get_state(out->last_seen);
-  out->report = report();
   return out;
 }
 
-Result<> SimbodyWorld::restore(const SnapshotPtr& snapshot) {
-  const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
-  if (!saved) return fail("the snapshot was not made by the simbody backend");
-  if (!same_names(*saved->initial, *initial_))
-    return fail("the snapshot is of another scene: '" + saved->model->name + "'");
+Result<> SimbodyWorld::restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
+                                      const WorldState&) {
+  const auto& saved = static_cast<const Saved&>(*memory);
   try {
-    if (saved->model != model_ || saved->static_poses != engine_->static_poses)
-      engine_ = std::make_shared<Engine>(saved->model, saved->static_poses, options_);
+    if (model != engine_->scene || saved.static_poses != engine_->static_poses)
+      engine_ = std::make_shared<Engine>(model, saved.static_poses, options_);
     integrator_.reset();
-    const Mechanism& m = engine_->mechanism;
     state_ = engine_->start;
-    state_.updTime() = saved->engine_time;
-    state_.updQ() = saved->q;
-    state_.updU() = saved->u;
-    m.set_rates(state_);
+    state_.updTime() = saved.time;
+    state_.updQ() = saved.q;
+    state_.updU() = saved.u;
+    engine_->mechanism.set_rates(state_);
   } catch (const std::exception& e) {
     return fail("Simbody: " + message_of(e));
   }
-  model_ = saved->model;
-  time_ = saved->time;
-  next_step_ = saved->next_step;
-  last_seen_ = saved->last_seen;
-  held_ = saved->report;
-  stepped_ = false;
-  return {};
-}
-
-Result<> SimbodyWorld::reset() {
-  try {
-    start();
-  } catch (const std::exception& e) {
-    return fail("Simbody: " + message_of(e));
-  }
+  next_step_ = saved.next_step;
   return {};
 }
 

@@ -9,7 +9,7 @@
 namespace cogrsim {
 namespace {
 
-constexpr int kShapeTypes = static_cast<int>(ShapeType::heightmap) + 1;
+constexpr int kShapeTypeCount = static_cast<int>(ShapeType::heightmap) + 1;
 
 /// Two shapes that can collide.
 struct ShapePair {
@@ -130,7 +130,7 @@ void Check::check_bodies() {
 
 void Check::check_pairs() {
   const CollisionFilter filter(model_);
-  std::array<std::vector<ModelShape>, kShapeTypes> all, mobile;
+  std::array<std::vector<ModelShape>, kShapeTypeCount> all, mobile;
   for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
     const Body& body = model_.bodies[i];
     if (body.removed) continue;
@@ -154,8 +154,8 @@ void Check::check_pairs() {
     }
     return {nullptr, nullptr};
   };
-  for (std::size_t a = 0; a < kShapeTypes; ++a) {
-    for (std::size_t b = a; b < kShapeTypes; ++b) {
+  for (std::size_t a = 0; a < kShapeTypeCount; ++a) {
+    for (std::size_t b = a; b < kShapeTypeCount; ++b) {
       const std::string feature =
           pair_feature(static_cast<ShapeType>(a), static_cast<ShapeType>(b));
       if (capabilities_.get(feature).support == Support::exact) continue;

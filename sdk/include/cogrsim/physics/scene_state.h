@@ -60,6 +60,26 @@ inline void read_joint(const Joint& joint, const WorldState& state, double* q, d
                  relative_twist(joint, X_WP, twist(joint.parent), X_WC, twist(joint.child)), q, u);
 }
 
+/// Where a body with a constant twist (of its origin, in world axes) is after dt [s].
+inline Pose moved(const Pose& X_WB, const Twist& V_WB, double dt) {
+  Pose out = X_WB;
+  out.p += V_WB.linear * dt;
+  const double angle = V_WB.angular.norm() * dt;
+  if (angle > 0) {
+    const Quat turn(Eigen::AngleAxisd(angle, V_WB.angular.normalized()));
+    out.q = (turn * out.q).normalized();
+  }
+  return out;
+}
+
+/// Whether any joint of a scene has a rotor.
+inline bool has_rotors(const SceneModel& model) {
+  return std::any_of(model.joints.begin(), model.joints.end(), [](const Joint& joint) {
+    return !joint.removed && std::any_of(joint.axes.begin(), joint.axes.end(),
+                                         [](const auto& axis) { return axis.rotor_inertia > 0.0; });
+  });
+}
+
 /// What a backend reports of a step, kept while its engine has no step to report: before the first
 /// one and after a change of the scene.
 struct StepReport {
