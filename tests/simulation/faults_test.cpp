@@ -86,6 +86,65 @@ TEST_CASE("a spin that is too fast for the step is reported once", "[faults]") {
   }
 }
 
+TEST_CASE("what presses bodies into each other is reported once", "[faults]") {
+  const std::string backend = GENERATE(engines());
+  // A block on two cubes: a hundred thousand times their mass is more than sweeps or stops carry.
+  for (const bool heavy : {false, true}) {
+    ModelBuilder builder("press");
+    builder.plane("floor");
+    const double mass = heavy ? 100.0 : 1e-3;
+    for (const double x : {-0.1, 0.1})
+      builder.box(x < 0 ? "left" : "right", Vec3(0.02, 0.02, 0.02), 1e-3,
+                  Pose(Vec3(x, 0, 0.01), Quat(1, 0, 0, 0)));
+    builder.box("block", Vec3(0.4, 0.1, 0.1), mass, Pose(Vec3(0, 0, 0.07), Quat(1, 0, 0, 0)));
+    auto simulation = simulate(builder.build(), backend);
+    simulation->run_until(0.5);
+    const auto& messages = simulation->messages();
+    const auto said =
+        std::count_if(messages.begin(), messages.end(), [](const RunMessage& message) {
+          return message.message.find("overlap by") != std::string::npos;
+        });
+    // An engine that carries it has nothing to say.
+    const bool carried = simulation->frame()->state.poses[3].p.z() > 0.068;
+    CHECK(said == (carried ? 0 : 1));
+    CHECK((heavy || carried));
+  }
+}
+
+TEST_CASE("a spring or drag that the step does not hold is reported", "[faults]") {
+  const std::string backend = GENERATE(engines());
+  // Two spheres of 10 g: h^2 k / m = 1 at 5000 N/m in steps of 1 ms, 2 h c / m = 1 at 5 N s/m.
+  const auto said = [&](double stiffness, double damping, double drag) {
+    ModelBuilder builder("spring");
+    builder.model.physics.gravity = Vec3::Zero();
+    const int a = builder.sphere("a", 0.01, 0.01, Pose());
+    const int b = builder.sphere("b", 0.01, 0.01, Pose(Vec3(0.1, 0, 0), Quat(1, 0, 0, 0)));
+    ForceModel spring;
+    spring.kind = ForceModel::Kind::spring;
+    spring.name = "tie";
+    spring.body = a;
+    spring.other = b;
+    spring.length = 0.1;
+    spring.stiffness = stiffness;
+    spring.damping = damping;
+    builder.model.forces.push_back(spring);
+    ForceModel air;
+    air.kind = ForceModel::Kind::drag;
+    air.name = "air";
+    air.body = a;
+    air.linear = drag;
+    builder.model.forces.push_back(air);
+    std::string out;
+    for (const RunMessage& m : simulate(builder.build(), backend)->messages())
+      out += m.message + "\n";
+    return out;
+  };
+  CHECK(said(4900.0, 0.0, 4.9).find("too stiff") == std::string::npos);
+  CHECK(said(5100.0, 0.0, 0.0).find("spring 'tie' is too stiff") != std::string::npos);
+  CHECK(said(0.0, 2.6, 0.0).find("spring 'tie' is too stiff") != std::string::npos);
+  CHECK(said(0.0, 0.0, 5.1).find("drag 'air' is too stiff") != std::string::npos);
+}
+
 TEST_CASE("an exploding scene ends as diverged, with body and time", "[faults]") {
   const std::string backend = GENERATE(engines());
   auto builder = falling_ball();

@@ -52,6 +52,7 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
        check_capabilities(*scene.model, name, (*backend)->capabilities())) {
     scene.diagnostics.push_back(std::move(diagnostic));
   }
+  for (Diagnostic& d : stiff_forces(*scene.model)) scene.diagnostics.push_back(std::move(d));
   if (std::any_of(scene.diagnostics.begin(), scene.diagnostics.end(), is_error)) return;
   // What stops a world from being made is for the run to say, which knows all options.
   const PluginCall call("backend", (*backend)->name(), "", "", "while the world was created");

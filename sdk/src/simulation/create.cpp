@@ -142,6 +142,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
       for (Diagnostic& d : world->warnings()) found.push_back(std::move(d));
     }
   }
+  for (Diagnostic& d : stiff_forces(impl->model())) found.push_back(std::move(d));
   for (const BuriedCamera& buried : buried_cameras(impl->model())) {
     const SensorModel& sensor = impl->model().sensors[buried.sensor];
     const Error& error = buried.error;

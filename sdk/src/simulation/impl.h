@@ -18,6 +18,7 @@
 #include "simulation/frame_source.h"
 #include "simulation/message_log.h"
 #include "simulation/scene_actions.h"
+#include "simulation/step_limits.h"
 #include "simulation/world_host.h"
 
 namespace cogrsim {
@@ -36,7 +37,6 @@ struct Simulation::Impl final : FrameSource {
   Pace pace;
   std::atomic<bool> stop_requested{false};
   bool ending = false;  ///< the run ends with this step
-  bool spin_reported = false;
 
   std::vector<std::shared_ptr<Observation::Slot>> observers;
   bool start_shown = false;  ///< the observers have received the initial frame
@@ -53,6 +53,7 @@ struct Simulation::Impl final : FrameSource {
   DeviceManager devices;
   EventSystem events;
   ForceSystem forces;
+  StepLimits limits;
   CommandQueue commands;
   SupervisorManager supervisors;
   ControllerManager controllers;
@@ -69,7 +70,6 @@ struct Simulation::Impl final : FrameSource {
   RunStatus step();
   void show_start();
   void show_frame();  ///< passes the current frame to the observers
-  void check_spin();
   bool wants_accelerations() const;
   FramePtr frame_with(const FrameContents& contents) override;
   std::shared_ptr<Frame> latest(const FrameContents& contents) override;

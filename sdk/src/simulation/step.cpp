@@ -73,28 +73,6 @@ bool Simulation::Impl::wants_accelerations() const {
                      [](const auto& w) { return w->contents.accelerations && !w->ended; });
 }
 
-// Warns once in a run about rotations that are too fast for the time step: integrators of any order
-// lose accuracy if a body turns by a large angle in a step, and wheels slip. Checked only in some
-// steps, because reading the state has a cost.
-void Simulation::Impl::check_spin() {
-  constexpr std::uint64_t kEvery = 64;  // steps
-  constexpr double kMost = 0.5;         // [rad] in a step
-  if (spin_reported || clock.steps() % kEvery != 1) return;
-  const double dt = clock.dt();
-  const WorldState& now = host.state();
-  for (std::size_t i = 0; i < now.twists.size(); ++i) {
-    const double turned = now.twists[i].angular.norm() * dt;
-    if (model().bodies[i].removed || !(turned > kMost)) continue;
-    spin_reported = true;
-    log.report(
-        Severity::warning, model().bodies[i].name,
-        fmt::format("body '{}' turns by {:.2g} rad in a step of {} ms: beyond {} rad engines "
-                    "gain or lose energy; a step of {:.2g} ms keeps it below",
-                    model().bodies[i].name, turned, 1e3 * dt, kMost, 1e3 * dt * kMost / turned));
-    return;
-  }
-}
-
 void Simulation::Impl::show_frame() {
   observers.erase(std::remove_if(observers.begin(), observers.end(),
                                  [](const auto& observer) { return observer->ended; }),
@@ -148,7 +126,7 @@ RunStatus Simulation::Impl::step() {
     return status;
   }
   clock.advance();
-  check_spin();
+  limits.check(host, clock, log);
   events.process(host, devices.sensors(), *this);
   show_frame();
   events.clear();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cogrsim/core/diagnostic.h"
+#include "cogrsim/core/export.h"
 #include "cogrsim/model/scene_model.h"
 
 namespace cogrsim {
@@ -23,6 +24,10 @@ class WorldWarnings {
   /// built or last changed.
   virtual std::vector<Diagnostic> warnings() const = 0;
 };
+
+/// A warning (CG2008) for each spring and drag of the scene that is too stiff for its step, with any
+/// engine: they act on bodies from outside.
+COGRSIM_API std::vector<Diagnostic> stiff_forces(const SceneModel& scene);
 
 /// Warnings of an engine with an iterative solver about rotors that are heavy for the bodies they turn.
 /// `ratios`: by joint and axis, a rotor's inertia over that of the bodies; the solver holds `most`.
