@@ -220,10 +220,10 @@ Vec3 Stepper::turning_of(std::size_t index, double h) const {
   const Collider& a = detector_.colliders()[std::size_t(point.collider_a)];
   const Collider& b = detector_.colliders()[std::size_t(point.collider_b)];
   const int link_a = mechanism_.body_link(a.body), link_b = mechanism_.body_link(b.body);
-  const auto motion_of = [&](int link) {
-    return link < 0 ? LinkMotion() : mechanism_.motions()[std::size_t(link)];
-  };
-  const LinkMotion motion_a = motion_of(link_a), motion_b = motion_of(link_b);
+  static const LinkMotion rest;
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
+  const LinkMotion& motion_a = link_a < 0 ? rest : motions[std::size_t(link_a)];
+  const LinkMotion& motion_b = link_b < 0 ? rest : motions[std::size_t(link_b)];
   const Vec3& n = point.normal;
   const Vec3 v = motion_b.velocity_at(point.point) - motion_a.velocity_at(point.point);
   const Vec3 slip = v - n.dot(v) * n;
@@ -292,8 +292,11 @@ bool Stepper::build_rows(double h) {
   if (!add_free_contacts(context))
     for (std::size_t i = 0; i < points_.size(); ++i) add_contact(context, i, builder);
   std::fill(untouched_.begin(), untouched_.end(), 1);
-  for (const Row& row : set_.rows)
+  const auto touch = [&](const Row& row) {
     for (int k = 0; k < row.sides; ++k) untouched_[std::size_t(row.side[k].component)] = 0;
+  };
+  for (std::size_t i = 0; i < set_.joint_rows(); ++i) touch(set_.rows[i]);
+  for (const ContactRows& contact : set_.contacts) touch(set_.rows[std::size_t(contact.first)]);
   return !set_.empty();
 }
 

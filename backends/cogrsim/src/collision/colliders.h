@@ -41,6 +41,7 @@ struct Collider {
   double margin = 0.0;        ///< speculative margin: how far its surface may move in the step [m]
   Vec3 shift = Vec3::Zero();  ///< of its origin over the rest of the step [m]
   Vec3 turn = Vec3::Zero();   ///< over the rest of the step [rad]
+  double moved = 0.0;         ///< since the last query, no point of it by more [m]
 
   /// How far the rest of the step moves its point at `point` (world) [m].
   Vec3 travel_of(const Vec3& point) const { return shift + turn.cross(point - X_WS.p); }

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/narrowphase.h"
-
 namespace cogrsim::dynamics {
 
 namespace {
@@ -57,7 +55,10 @@ void Detector::set_pose(int body, const Placement& X_WB, double margin, const Ve
   for (int i = first_[std::size_t(body)]; i < first_[std::size_t(body) + 1]; ++i) {
     Collider& c = colliders_[std::size_t(i)];
     if (c.body < 0) continue;
-    c.X_WS = X_WB * c.X_BS;
+    const Placement X_WS = X_WB * c.X_BS;
+    if (c.is_convex())
+      c.moved += (X_WS.p - c.X_WS.p).norm() + c.bounding_radius * (X_WS.R - c.X_WS.R).norm();
+    c.X_WS = X_WS;
     c.margin = margin;
     c.turn = turn;
     c.shift = shift + turn.cross(c.X_WS.p - X_WB.p);
@@ -74,22 +75,29 @@ void Detector::set_pose(int body, const Placement& X_WB, double margin, const Ve
 void Detector::detect(std::vector<ContactPoint>& out, WorkerPool* pool) {
   out.clear();
   find_pairs();
+  test_pairs(out, pool);
+  for (Collider& c : colliders_) c.moved = 0.0;
+}
+
+void Detector::test_pairs(std::vector<ContactPoint>& out, WorkerPool* pool) {
   constexpr std::size_t kWorthWaking = 200, kParts = 16;  // more parts than threads, to balance
   const std::size_t count = pairs_.size();
   if (!pool || count < kWorthWaking) {
-    for (const auto& [a, b] : pairs_) test_pair(a, b, out);
+    for (std::size_t i = 0; i < count; ++i) test_pair(i, out);
     return;
   }
   parts_.resize(kParts);
   pool->run(kParts, [this, count](std::size_t i) {
     parts_[i].clear();
     for (std::size_t k = count * i / kParts; k < count * (i + 1) / kParts; ++k)
-      test_pair(pairs_[k].first, pairs_[k].second, parts_[i]);
+      test_pair(k, parts_[i]);
   });
   for (const auto& part : parts_) out.insert(out.end(), part.begin(), part.end());
 }
 
 void Detector::find_pairs() {
+  pairs_.swap(last_pairs_);
+  apart_.swap(last_apart_);
   pairs_.clear();
   // Sweep along x; equal bounds fall back on the index, so that the order is a function of the poses.
   std::sort(sorted_.begin(), sorted_.end(), [this](int a, int b) {
@@ -124,9 +132,15 @@ void Detector::find_pairs() {
     }
   }
   std::sort(pairs_.begin(), pairs_.end());
+  apart_.assign(pairs_.size(), {});
+  for (std::size_t i = 0, last = 0; i < pairs_.size(); ++i) {
+    while (last < last_pairs_.size() && last_pairs_[last] < pairs_[i]) ++last;
+    if (last < last_pairs_.size() && last_pairs_[last] == pairs_[i]) apart_[i] = last_apart_[last];
+  }
 }
 
-void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) const {
+void Detector::test_pair(std::size_t pair, std::vector<ContactPoint>& out) {
+  const auto [ia, ib] = pairs_[pair];
   const Collider& a = colliders_[std::size_t(ia)];
   const Collider& b = colliders_[std::size_t(ib)];
   if (!filter_.collide(a.body, b.body)) return;
@@ -134,7 +148,7 @@ void Detector::test_pair(int ia, int ib, std::vector<ContactPoint>& out) const {
   const std::size_t first = out.size();
   bool swapped = false;
   if (a.is_convex() && b.is_convex()) {
-    convex_contacts(a, b, margin, out);
+    convex_contacts(a, b, margin, apart_[pair], out);
   } else if (a.is_convex() || b.is_convex()) {
     // Planes and meshes come first in their functions.
     swapped = a.is_convex();

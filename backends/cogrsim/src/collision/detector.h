@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "cogrsim/core/worker_pool.h"
-#include "collision/colliders.h"
+#include "collision/narrowphase.h"
 
 namespace cogrsim::dynamics {
 
-/// Collision detection without memory: the contact points are a function of poses and velocities.
+/// Collision detection without memory that matters: the contact points are a function of poses and velocities.
 class Detector {
  public:
   explicit Detector(const SceneModel& model);
@@ -36,15 +36,17 @@ class Detector {
 
  private:
   void find_pairs();
-  void test_pair(int a, int b, std::vector<ContactPoint>& out) const;
+  void test_pairs(std::vector<ContactPoint>& out, WorkerPool* pool);
+  void test_pair(std::size_t pair, std::vector<ContactPoint>& out);
 
   CollisionFilter filter_;
   std::vector<Collider> colliders_;
   std::vector<int> first_;  ///< first collider of each body (nbody + 1)
   std::vector<double> bounding_radii_, thinness_;
-  std::vector<int> sorted_;     ///< bounded colliders by lower x
-  std::vector<int> unbounded_;  ///< planes
-  std::vector<std::pair<int, int>> pairs_;
+  std::vector<int> sorted_;                              ///< bounded colliders by lower x
+  std::vector<int> unbounded_;                           ///< planes
+  std::vector<std::pair<int, int>> pairs_, last_pairs_;  ///< of colliders
+  std::vector<Apart> apart_, last_apart_;                ///< of each pair
   std::vector<int> open_;
   std::vector<std::vector<ContactPoint>> parts_;  ///< found by each part of the pairs
 };

@@ -32,7 +32,7 @@ btTransform to_bullet(const Placement& X) {
 }
 
 Separation separate_convex(const btConvexShape& a, const btTransform& X_a, const btConvexShape& b,
-                           const btTransform& X_b, double margin) {
+                           const btTransform& X_b, double margin, Vec3* axis) {
   btVoronoiSimplexSolver simplex;
   btGjkEpaPenetrationDepthSolver penetration;
   btGjkPairDetector detector(&a, &b, &simplex, &penetration);
@@ -44,6 +44,10 @@ Separation separate_convex(const btConvexShape& a, const btTransform& X_a, const
   Sink sink;
   detector.getClosestPoints(input, sink, nullptr);
   if (sink.separation.gap > margin) sink.separation.found = false;
+  if (axis && !sink.separation.found) {
+    const btVector3 d = detector.getCachedSeparatingAxis();
+    *axis = -Vec3(d.x(), d.y(), d.z()).normalized();
+  }
   return sink.separation;
 }
 

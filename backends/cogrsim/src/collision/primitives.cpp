@@ -75,6 +75,25 @@ double growth_of_gap(const Collider& a, const Collider& b, const Vec3& n) {
   return n.dot(b.travel_of(at) - a.travel_of(at));
 }
 
+// Whether the shapes of distance queries are farther apart than those could mistake: then a query would
+// find nothing. In a step a gap along a direction becomes less by no more than the shapes move.
+bool are_apart(const Collider& a, const Collider& b, double margin, Apart& apart) {
+  constexpr double kMistake = 1e-3;  // of the distance
+  const double least = margin + kMistake * (margin + a.bounding_radius + b.bounding_radius);
+  const Vec3& n = apart.axis;
+  if (n.isZero(0.0)) return false;
+  apart.gap -= a.moved + b.moved;
+  if (apart.gap > least) return true;
+  const auto reach = [](const Collider& c, const Vec3& d) {
+    const Vec3 local = c.X_WS.R.transpose() * d;
+    const btVector3 v =
+        c.convex->localGetSupportingVertexWithoutMargin({local[0], local[1], local[2]});
+    return local.dot(Vec3(v.x(), v.y(), v.z())) + c.convex->getMargin();
+  };
+  apart.gap = n.dot(b.X_WS.p - a.X_WS.p) - reach(a, n) - reach(b, -n);
+  return apart.gap > least;
+}
+
 // Convex shapes touch where the last of the gaps along all axes closes. One that slides over a face
 // comes upon the side of the next: that gap is open and about to close, but the one along the face,
 // which has long been closed, would still hardly overlap by then. Contact is along the axis on which they overlap
@@ -145,7 +164,7 @@ void plane_contacts(const Collider& plane, const Collider& c, double margin,
   reduce_points(out, first);
 }
 
-void convex_contacts(const Collider& a, const Collider& b, double margin,
+void convex_contacts(const Collider& a, const Collider& b, double margin, Apart& apart,
                      std::vector<ContactPoint>& out) {
   Separation s;
   if (a.type == ShapeType::sphere && b.type == ShapeType::sphere) {
@@ -159,7 +178,10 @@ void convex_contacts(const Collider& a, const Collider& b, double margin,
   } else if (a.type == ShapeType::box && b.type == ShapeType::box) {
     s = geometry::separate_boxes({a.core.half, a.X_WS}, {b.core.half, b.X_WS}, margin);
   } else {
-    s = separate_convex(*a.convex, to_bullet(a.X_WS), *b.convex, to_bullet(b.X_WS), margin);
+    if (are_apart(a, b, margin, apart)) return;
+    apart = Apart();
+    s = separate_convex(*a.convex, to_bullet(a.X_WS), *b.convex, to_bullet(b.X_WS), margin,
+                        &apart.axis);
     s.blur = blur_of(a) + blur_of(b);
     if (s.found) turn_flush(a, b, s);
   }

@@ -106,7 +106,6 @@ void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGro
                                const int* indices, int count) {
   groups_.emplace_back();
   FreeIslandGroup& g = groups_.back();
-  g = FreeIslandGroup();
   g.kind = kind;
   g.count = count;
   const IslandRow& leader = rows[std::size_t(indices[0])];
@@ -123,7 +122,6 @@ void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGro
   };
   for (int i = 0; i < 4; ++i) {
     FreeIslandGroup::Row& out = g.rows[i];
-    out = FreeIslandGroup::Row();
     row_of_.push_back(i < count ? indices[i] : -1);
     if (i >= count) continue;
     const IslandRow& row = rows[std::size_t(indices[i])];

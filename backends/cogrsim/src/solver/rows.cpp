@@ -148,20 +148,10 @@ RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& s
   return {rows, 12 * sides * rows, 1};
 }
 
-Vec3 RowBuilder::point_velocity(int link, const Vec3& point) const {
-  return link < 0 ? Vec3::Zero() : motions_[std::size_t(link)].velocity_at(point);
-}
-
 // J and W of a free body in closed form.
-void RowBuilder::add_free_body_side(Row& row, const Component& c, const Spatial& wrench,
-                                    double sign) {
-  RowSide& side = row.side[row.sides++];
-  side.component = int(&c - mechanism_.components().data());
-  side.size = 6;
-  side.speeds = c.offset;
-  side.j = next_numbers(12);
-  side.w = side.j + 6;
-  double* const j = &set_.pool[side.j];
+void RowBuilder::add_free_body_side(Row& row, int component, const Spatial& wrench, double sign) {
+  const Component& c = mechanism_.components()[std::size_t(component)];
+  double* const j = &set_.pool[next_side(row, component).j];
   const Vec3 spin = c.inverse_inertia * wrench.angular;
   for (int k = 0; k < 3; ++k) {
     j[k] = sign * wrench.angular[k];
@@ -178,26 +168,8 @@ RowSide& RowBuilder::next_side(Row& row, int component) {
   side.component = component;
   side.size = c.size();
   side.speeds = c.offset;
-  side.j = next_numbers(2 * std::size_t(side.size));
-  side.w = side.j + std::size_t(side.size);
+  side.j = std::uint32_t(next_numbers(2 * std::size_t(side.size)));
   return side;
-}
-
-void RowBuilder::add_side(Row& row, int component, int link, const Vec3* point,
-                          const Vec3& direction, double sign) {
-  Component& c = mechanism_.components()[std::size_t(component)];
-  if (c.size() == 0) return;
-  update_component(mechanism_, c);
-  const Spatial wrench = point ? Spatial{(*point - c.origin).cross(direction), direction}
-                               : Spatial{direction, Vec3::Zero()};
-  if (c.is_free_body) {
-    add_free_body_side(row, c, wrench, sign);
-    return;
-  }
-  // Two bodies of one component share a side.
-  const bool shared = row.sides == 1 && row.side[0].component == component;
-  if (!shared) next_side(row, component);
-  fill_row(c, c.find(link), wrench, sign, &set_.pool[row.side[row.sides - 1].j]);
 }
 
 void RowBuilder::finish_row(Row& row) {
@@ -205,7 +177,7 @@ void RowBuilder::finish_row(Row& row) {
     const RowSide& side = row.side[s];
     Component& c = mechanism_.components()[std::size_t(side.component)];
     const double* const j = &set_.pool[side.j];
-    double* const w = &set_.pool[side.w];
+    double* const w = &set_.pool[side.w()];
     if (c.is_free_body) continue;  // add_free_body_side did it
     solve_mass_often(c, j, w);
     close_loops(c, w);
@@ -213,29 +185,61 @@ void RowBuilder::finish_row(Row& row) {
   }
 }
 
-Row& RowBuilder::add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction) {
-  Row& row = next_row();
-  const std::vector<Link>& links = mechanism_.links();
-  const int ca = link_a < 0 ? -1 : links[std::size_t(link_a)].component;
-  const int cb = link_b < 0 ? -1 : links[std::size_t(link_b)].component;
-  if (ca >= 0) add_side(row, ca, link_a, &point, direction, -1.0);
-  if (cb >= 0) add_side(row, cb, link_b, &point, direction, 1.0);
-  row.now = direction.dot(point_velocity(link_b, point) - point_velocity(link_a, point));
+RowBuilder::Pair RowBuilder::pair_at(int link_a, int link_b, const Vec3& point) {
+  Pair pair;
+  for (int i = 0; i < 2; ++i) {
+    const int link = i == 0 ? link_a : link_b;
+    if (link < 0) continue;
+    Pair::Side& side = pair.side[i];
+    const LinkMotion& motion = motions_[std::size_t(link)];
+    side.link = link;
+    side.sign = i == 0 ? -1.0 : 1.0;
+    pair.velocity += side.sign * motion.velocity_at(point);
+    const int component = mechanism_.links()[std::size_t(link)].component;
+    if (component < 0) continue;
+    Component& c = mechanism_.components()[std::size_t(component)];
+    if (c.size() == 0) continue;
+    update_component(mechanism_, c);
+    side.component = &c;
+    side.arm = point - c.origin;
+  }
+  return pair;
+}
+
+void RowBuilder::add_sides(Row& row, const Pair& pair, const Spatial* wrenches) {
+  for (int i = 0; i < 2; ++i) {
+    const Pair::Side& side = pair.side[i];
+    if (!side.component) continue;
+    const int component = int(side.component - mechanism_.components().data());
+    if (side.component->is_free_body) {
+      add_free_body_side(row, component, wrenches[i], side.sign);
+      continue;
+    }
+    // Two bodies of one component share a side.
+    const bool shared = row.sides == 1 && row.side[0].component == component;
+    if (!shared) next_side(row, component);
+    fill_row(*side.component, side.component->find(side.link), wrenches[i], side.sign,
+             &set_.pool[row.side[row.sides - 1].j]);
+  }
   finish_row(row);
+}
+
+Row& RowBuilder::add_point_row(const Pair& pair, const Vec3& direction) {
+  Row& row = next_row();
+  const Spatial wrenches[2] = {{pair.side[0].arm.cross(direction), direction},
+                               {pair.side[1].arm.cross(direction), direction}};
+  add_sides(row, pair, wrenches);
+  row.now = direction.dot(pair.velocity);
   return row;
 }
 
-Row& RowBuilder::add_twist_row(int link_a, int link_b, const Vec3& axis) {
+Row& RowBuilder::add_twist_row(const Pair& pair, const Vec3& axis) {
   Row& row = next_row();
-  for (int side = 0; side < 2; ++side) {
-    const int index = side == 0 ? link_a : link_b;
-    if (index < 0) continue;
-    const Link& link = mechanism_.links()[std::size_t(index)];
-    const double sign = side == 0 ? -1.0 : 1.0;
-    if (link.component >= 0) add_side(row, link.component, index, nullptr, axis, sign);
-    row.now += sign * axis.dot(motions_[std::size_t(index)].angular);
-  }
-  finish_row(row);
+  const Spatial about{axis, Vec3::Zero()};
+  const Spatial wrenches[2] = {about, about};
+  add_sides(row, pair, wrenches);
+  for (const Pair::Side& side : pair.side)
+    if (side.link >= 0) row.now += side.sign * axis.dot(motions_[std::size_t(side.link)].angular);
   row.inverse_diagonal = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
   return row;
 }
@@ -444,13 +448,12 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   contact.tangent1 = (least - n * n.dot(least)).normalized();
   contact.tangent2 = n.cross(contact.tangent1);
 
-  Row& row = add_point_row(link_a, link_b, point.point, n);
+  const Pair pair = pair_at(link_a, link_b, point.point);
+  Row& row = add_point_row(pair, n);
   // Joints may hold a body such that it cannot yield: what remains is rounding, not a mass.
   double free = 0.0;
-  for (const int link : {link_a, link_b}) {
-    if (link < 0 || mechanism_.links()[std::size_t(link)].component < 0) continue;
-    free += 1.0 / mechanism_.links()[std::size_t(link)].mass;
-  }
+  for (int i = 0; i < 2; ++i)
+    if (pair.yields(i)) free += 1.0 / mechanism_.links()[std::size_t(pair.side[i].link)].mass;
   if (row.sides == 0 || row.diagonal <= kHeld * free) {
     set_.rows.pop_back();
     --end_.rows;
@@ -471,11 +474,8 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
   // Friction acts where the surfaces meet in the impact. If one of the
   // two yields to no force, that is the surface of the other; if both yield, it is halfway between,
   // which conserves angular momentum.
-  const auto yields = [&](int link) {
-    return link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
-  };
   Vec3 at = point.point;
-  if (yields(link_a) != yields(link_b)) at += (yields(link_b) ? 0.5 : -0.5) * point.gap * n;
+  if (pair.yields(0) != pair.yields(1)) at += (pair.yields(1) ? 0.5 : -0.5) * point.gap * n;
   if (line.other) {
     contact.kind = line.second ? FrictionKind::twist : FrictionKind::patch;
     contact.partner = line.second ? index - 1 : index + 1;
@@ -484,16 +484,15 @@ void RowBuilder::add_contact(const StepContext& context, const ContactPoint& poi
     contact.lever = 0.25 * (point.point - line.other->point).norm();
   }
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
-    add_twist_row(link_a, link_b, n);
+    add_twist_row(pair, n);
   } else if (contact.friction > 0.0) {
     const double along_turn = set_.rows[std::size_t(contact.first)].hits ? 0.0 : 0.5 * h;
+    const Pair there = pair_at(link_a, link_b, at);
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
-      add_point_row(link_a, link_b, at, t).target =
-          -t.dot(surface_velocity + along_turn * friction_turning);
+      add_point_row(there, t).target = -t.dot(surface_velocity + along_turn * friction_turning);
     share_step_length(contact.first + 1);
   }
-  for (int i = 0; i < contact.turning_rows(); ++i)
-    add_twist_row(link_a, link_b, contact.turning_axis(i));
+  for (int i = 0; i < contact.turning_rows(); ++i) add_twist_row(pair, contact.turning_axis(i));
   if (contact.rolling > 0.0) share_step_length(contact.first_turning());
   if (grows_) set_.contacts.emplace_back();
   set_.contacts[end_.contacts++] = contact;

@@ -1,6 +1,7 @@
 // The unilateral and bounded conditions on velocities in one step, each with its impulse.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -16,9 +17,9 @@ using geometry::ContactPoint;
 struct RowSide {
   int component = -1;
   int size = 0;
-  int speeds = 0;     ///< first entry in arrays over all components
-  std::size_t j = 0;  ///< in RowSet::pool
-  std::size_t w = 0;
+  int speeds = 0;       ///< first entry in arrays over all components
+  std::uint32_t j = 0;  ///< of J in RowSet::pool; W comes after it
+  std::size_t w() const { return std::size_t(j) + std::size_t(size); }
 };
 
 /// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the
@@ -42,7 +43,7 @@ struct Row {
   bool bilateral = false;  ///< with l > 0 the gap is brought to `gap_target` from above, too
   bool hits = false;       ///< its impulse is that of an impact
   /// Of a contact with restitution: it bounces, or it is open by the end, unless an impact closes it.
-  enum class Impact { none, waits, bounces } impact = Impact::none;
+  enum class Impact : std::uint8_t { none, waits, bounces } impact = Impact::none;
   double restitution = 0.0;
   bool stays =
       false;  ///< without the impulses the gap is closed by the end, and it shall not bounce
@@ -137,7 +138,7 @@ class RowSet {
   void apply(const Row& row, double impulse, double* v) const {
     for (int s = 0; s < row.sides; ++s) {
       const RowSide& side = row.side[s];
-      const double* const w = &pool[side.w];
+      const double* const w = &pool[side.w()];
       double* const x = v + side.speeds;
       for (int k = 0; k < side.size; ++k) x[k] += w[k] * impulse;
     }
@@ -216,17 +217,27 @@ class RowBuilder {
   /// Index in the pool of so many zeros.
   std::size_t next_numbers(std::size_t count);
   Row& add_axis_row(const StepContext& context, int component, int local, double sign);
-  Row& add_point_row(int link_a, int link_b, const Vec3& point, const Vec3& direction);
-  // Velocity along `direction` of the body's point, or, without a point, spin about it.
-  void add_side(Row& row, int component, int link, const Vec3* point, const Vec3& direction,
-                double sign);
-  Row& add_twist_row(int link_a, int link_b, const Vec3& axis);
-  /// Another side of a row, with memory for its numbers. Not of a free body.
+  // Two links at a point of both.
+  struct Pair {
+    struct Side {
+      Component* component = nullptr;  // of the link; none: it does not yield
+      int link = -1;
+      double sign = 1.0;
+      Vec3 arm = Vec3::Zero();  // from the component's origin
+    } side[2];
+    Vec3 velocity = Vec3::Zero();  // of b against a
+    bool yields(int i) const { return side[i].component != nullptr; }
+  };
+  Pair pair_at(int link_a, int link_b, const Vec3& point);
+  // Velocity of the pair's point along `direction`, or spin about it.
+  Row& add_point_row(const Pair& pair, const Vec3& direction);
+  Row& add_twist_row(const Pair& pair, const Vec3& axis);
+  void add_sides(Row& row, const Pair& pair, const Spatial* wrenches);
+  /// Another side of a row, with memory for its numbers.
   RowSide& next_side(Row& row, int component);
   void share_step_length(int first);
-  void add_free_body_side(Row& row, const Component& c, const Spatial& wrench, double sign);
+  void add_free_body_side(Row& row, int component, const Spatial& wrench, double sign);
   void finish_row(Row& row);
-  Vec3 point_velocity(int link, const Vec3& point) const;
   void add_limits(const StepContext& context, int joint);
   void add_ball_limit(const StepContext& context, int joint);
   void add_friction(const StepContext& context, int joint);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace cogrsim::dynamics {
 
@@ -13,31 +14,50 @@ int Solver::find(int i) {
   return i;
 }
 
-// Which island each component belongs to; islands are numbered by their first row.
-void Solver::partition(const RowSet& set) {
-  int components = 0;
-  for (const Row& row : set.rows)
-    for (int s = 0; s < row.sides; ++s)
-      components = std::max(components, row.side[s].component + 1);
-  root_.resize(std::size_t(components));
-  std::iota(root_.begin(), root_.end(), 0);
-  for (const Row& row : set.rows) {
-    if (row.sides < 2) continue;
-    const int a = find(row.side[0].component), b = find(row.side[1].component);
-    root_[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-  number_.assign(std::size_t(components), -1);
-  count_ = 0;
-  for (const Row& row : set.rows) {
-    int& number = number_[std::size_t(find(row.side[0].component))];
-    if (number < 0) number = count_++;
-  }
-  for (int c = 0; c < components; ++c) number_[std::size_t(c)] = number_[std::size_t(find(c))];
+template <class IslandOf>
+void Solver::ByIsland::sort(std::size_t count, int islands, const IslandOf& island_of) {
+  ends.assign(std::size_t(islands), 0);
+  for (std::size_t i = 0; i < count; ++i) ++ends[island_of(i)];
+  int sum = 0;  // now the beginnings, which the items move to the ends
+  for (int& end : ends) sum += std::exchange(end, sum);
+  items.resize(count);
+  for (std::size_t i = 0; i < count; ++i) items[std::size_t(ends[island_of(i)]++)] = int(i);
 }
 
-Solver::IslandContent& Solver::content_of(const RowSet& set, int row) {
-  const int component = set.rows[std::size_t(row)].side[0].component;
-  return contents_[std::size_t(number_[std::size_t(component)])];
+// Islands are numbered by their first row. All rows of a contact have the sides of its first.
+void Solver::partition(const RowSet& set) {
+  root_.resize(components_->size());
+  std::iota(root_.begin(), root_.end(), 0);
+  const auto join = [&](const Row& row) {
+    if (row.sides < 2) return;
+    const int a = find(row.side[0].component), b = find(row.side[1].component);
+    root_[std::size_t(std::max(a, b))] = std::min(a, b);
+  };
+  const std::size_t joints = set.joint_rows();
+  const auto first_of = [&](std::size_t contact) -> const Row& {
+    return set.rows[std::size_t(set.contacts[contact].first)];
+  };
+  for (std::size_t i = 0; i < joints; ++i) join(set.rows[i]);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) join(first_of(i));
+  number_.assign(root_.size(), -1);
+  count_ = 0;
+  const auto count = [&](const Row& row) {
+    int& number = number_[std::size_t(find(row.side[0].component))];
+    if (number < 0) number = count_++;
+  };
+  for (std::size_t i = 0; i < joints; ++i) count(set.rows[i]);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) count(first_of(i));
+  const auto island_of = [&](const Row& row) {
+    return std::size_t(number_[std::size_t(find(row.side[0].component))]);
+  };
+  scalars_.sort(set.scalars.size(), count_,
+                [&](std::size_t i) { return island_of(set.rows[std::size_t(set.scalars[i])]); });
+  balls_.sort(set.balls.size(), count_,
+              [&](std::size_t i) { return island_of(set.rows[std::size_t(set.balls[i].first)]); });
+  contacts_.sort(set.contacts.size(), count_,
+                 [&](std::size_t i) { return island_of(first_of(i)); });
+  start_.assign(root_.size(), -1);
+  row_in_island_.resize(set.rows.size());
 }
 
 int Solver::add_row(const RowSet& set, int index, Island& island) {
@@ -69,32 +89,14 @@ int Solver::add_row(const RowSet& set, int index, Island& island) {
   return row_in_island_[std::size_t(index)] = int(island.rows.size()) - 1;
 }
 
-void Solver::distribute_rows(const RowSet& set) {
-  const std::size_t count = std::size_t(count_);
-  if (islands_.size() < count) islands_.resize(count);
-  if (contents_.size() < count) contents_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    contents_[i].scalars.clear();
-    contents_[i].balls.clear();
-    contents_[i].contacts.clear();
-  }
-  start_.assign(root_.size(), -1);
-  row_in_island_.resize(set.rows.size());
-  for (const int row : set.scalars) content_of(set, row).scalars.push_back(row);
-  for (std::size_t i = 0; i < set.balls.size(); ++i)
-    content_of(set, set.balls[i].first).balls.push_back(int(i));
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    content_of(set, set.contacts[i].first).contacts.push_back(int(i));
-}
-
-void Solver::fill_island(const RowSet& set, const IslandContent& content, Island& island) {
+void Solver::fill_island(const RowSet& set, std::size_t number, Island& island) {
   island.clear();
-  for (const int row : content.scalars) {
+  for (const int index : scalars_.of(number)) {
     RowBlock block;
-    block.first_row = add_row(set, row, island);
+    block.first_row = add_row(set, set.scalars[std::size_t(index)], island);
     island.blocks.push_back(block);
   }
-  for (const int index : content.balls) {
+  for (const int index : balls_.of(number)) {
     const BallFriction& ball = set.balls[std::size_t(index)];
     RowBlock block;
     block.kind = RowBlock::Kind::ball;
@@ -106,7 +108,8 @@ void Solver::fill_island(const RowSet& set, const IslandContent& content, Island
   island.contacts = island.blocks.size();
   const ContactPoint* last = nullptr;
   int pair = 0;
-  for (const int index : content.contacts) {
+  const ByIsland::Range contacts = contacts_.of(number);
+  for (const int index : contacts) {
     const ContactRows& contact = set.contacts[std::size_t(index)];
     RowBlock block;
     block.kind = RowBlock::Kind::contact;
@@ -126,11 +129,12 @@ void Solver::fill_island(const RowSet& set, const IslandContent& content, Island
     island.pairs.push_back(pair);
   }
   // Both ends of a contact line touch the same pair, so they are in the same island.
-  for (std::size_t i = 0; i < content.contacts.size(); ++i) {
-    const ContactRows& contact = set.contacts[std::size_t(content.contacts[i])];
-    if (contact.partner >= 0)
-      island.blocks[island.contacts + i].partner =
-          row_in_island_[std::size_t(set.contacts[std::size_t(contact.partner)].first)];
+  std::size_t at = island.contacts;
+  for (const int index : contacts) {
+    RowBlock& block = island.blocks[at++];
+    const int partner = set.contacts[std::size_t(index)].partner;
+    if (partner >= 0)
+      block.partner = row_in_island_[std::size_t(set.contacts[std::size_t(partner)].first)];
   }
 }
 
@@ -148,10 +152,10 @@ void Solver::solve(RowSet& set, const std::vector<Component>& components, double
                    double* p) {
   components_ = &components;
   partition(set);
-  distribute_rows(set);
   const auto solve_one = [&](std::size_t i) {
-    fill_island(set, contents_[i], islands_[i]);
-    solve_island(islands_[i], set, h, dv, p);
+    static thread_local Island island;  // so that small ones stay in the cache
+    fill_island(set, i, island);
+    solve_island(island, set, h, dv, p);
   };
   // Waking the others takes some 20 us, a row some 1 us.
   constexpr std::size_t kWorthWaking = 200;

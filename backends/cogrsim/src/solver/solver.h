@@ -1,6 +1,7 @@
 // Impulses and displacements that make all rows hold, island by island.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "cogrsim/core/worker_pool.h"
@@ -29,27 +30,37 @@ class Solver {
              double* p);
 
  private:
+  // Which island each component belongs to, and what each has of its kind.
   void partition(const RowSet& set);
   int find(int component);
-  // Joints' rows, balls' friction and contacts of one island.
-  struct IslandContent {
-    std::vector<int> scalars, balls, contacts;
+  // Indices of things by island, in their order.
+  struct ByIsland {
+    std::vector<int> items, ends;
+    // `island_of(i)`: of thing i of `count`.
+    template <class IslandOf>
+    void sort(std::size_t count, int islands, const IslandOf& island_of);
+    struct Range {
+      const int *first, *last;
+      const int* begin() const { return first; }
+      const int* end() const { return last; }
+    };
+    Range of(std::size_t island) const {
+      const int begin = island == 0 ? 0 : ends[island - 1];
+      return {items.data() + begin, items.data() + ends[island]};
+    }
   };
-  IslandContent& content_of(const RowSet& set, int row);
-  void distribute_rows(const RowSet& set);
-  void fill_island(const RowSet& set, const IslandContent& content, Island& island);
+  void fill_island(const RowSet& set, std::size_t number, Island& island);
   void solve_island(Island& island, RowSet& set, double h, double* dv, double* p) const;
   int add_row(const RowSet& set, int index, Island& island);
 
   SolverOptions options_;
   WorkerPool* pool_;
   const std::vector<Component>* components_ = nullptr;
-  std::vector<Island> islands_;          ///< the first `count_` are in use
-  std::vector<IslandContent> contents_;  ///< likewise
-  int count_ = 0;
-  std::vector<int> root_, number_;  ///< by component
-  std::vector<int> start_;          ///< by component: its first speed in the island
-  std::vector<int> row_in_island_;  ///< by row: its index in Island::rows
+  ByIsland scalars_, balls_, contacts_;  ///< joints' rows, balls' friction and contacts
+  int count_ = 0;                        ///< of islands
+  std::vector<int> root_, number_;       ///< by component
+  std::vector<int> start_;               ///< by component: its first speed in the island
+  std::vector<int> row_in_island_;       ///< by row: its index in Island::rows
 };
 
 }  // namespace cogrsim::dynamics
