@@ -1,8 +1,6 @@
 #include "mechanism/components.h"
 
 #include <Eigen/Cholesky>
-#include <array>
-#include <cassert>
 #include <cmath>
 
 #include "mechanism/loops.h"
@@ -12,8 +10,9 @@
 namespace cogrsim::dynamics {
 namespace {
 
-// Up to so many degrees of freedom M^-1 is formed where several rows need it.
-constexpr int kLargestInverse = 12;
+// Up to so many degrees of freedom M^-1 is formed as soon as a row needs it. It takes as long as n / 3 solutions,
+// and then a row takes as long as J has entries: with more it is formed after so many rows.
+constexpr int kSmallInverse = 12;
 
 Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) {
   Inertia out;
@@ -40,8 +39,8 @@ void factorize(std::vector<double>& a, int n, const Component::Range& tree) {
 
 // (L L^T)^-1 = X^T X with X = L^-1, row by row, zeros left out. `factor` as factorize() leaves it.
 void form_inverse(const std::vector<double>& factor, int n, std::vector<double>& inverse) {
-  assert(n <= kLargestInverse);
-  std::array<double, std::size_t(kLargestInverse * kLargestInverse)> rows{};
+  static thread_local std::vector<double> rows;
+  rows.assign(std::size_t(n * n), 0.0);
   inverse.assign(std::size_t(n * n), 0.0);
   for (int i = 0; i < n; ++i) {
     const double* const li = &factor[std::size_t(i * n)];
@@ -115,6 +114,7 @@ void update_component(const Mechanism& mechanism, Component& c) {
   if (c.version == version) return;
   c.version = version;
   c.has_inverse = false;
+  c.rows = 0;
   const int n = c.size();
   if (c.is_free_body) {
     const Link& link = mechanism.links()[std::size_t(c.links[0])];
@@ -321,7 +321,7 @@ void solve_mass_recursively(const Component& c, double* x) {
 
 void solve_mass_often(Component& c, const double* j, double* w) {
   const int n = c.size();
-  if (c.is_free_body || n > kLargestInverse) {
+  if (c.is_free_body || (n > kSmallInverse && ++c.rows <= n / 3)) {
     std::copy(j, j + n, w);
     solve_mass(c, w);
     return;

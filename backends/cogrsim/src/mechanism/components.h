@@ -67,8 +67,9 @@ struct Component {
   Mat3 inverse_inertia = Mat3::Zero();  ///< free body only, world axes
   std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
                                         ///< its diagonal inverted
-  std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored; small ones only
+  std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored
   bool has_inverse = false;             ///< `inverse` is of this configuration
+  int rows = 0;                         ///< that M^-1 was multiplied with at this configuration
   Loops loops;
   std::vector<Spatial>
       bias;  ///< find_bias: accelerations of `links` while the coordinates' are zero
