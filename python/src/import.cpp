@@ -28,12 +28,34 @@ Value chosen(const char* argument, const std::string& word,
                         "'");
 }
 
-std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
-                                                const std::map<std::string, py::object>& packages,
-                                                const std::map<std::string, std::string>& arguments,
-                                                const std::string& drives, bool fixed_base,
-                                                bool floor, const py::object& semantics,
-                                                const std::string& keyframe, int convex_parts) {
+/// What was read, and how it can be read again.
+struct Imported : dsl::ImportResult {
+  std::string file;
+  dsl::ImportOptions options;
+};
+
+/// Raises CompileError if nothing could be made of it.
+std::shared_ptr<Imported> read_model(const std::string& file, dsl::ImportOptions options) {
+  dsl::LoaderCatalog catalog;
+  options.plugins = &catalog;
+  auto result = std::make_shared<Imported>();
+  {
+    const Unlock unlock;
+    static_cast<dsl::ImportResult&>(*result) = dsl::import_model(file, options);
+  }
+  if (result->scene.empty()) raise("CompileError", result->diagnostics);
+  options.plugins = nullptr;
+  result->file = file;
+  result->options = std::move(options);
+  return result;
+}
+
+std::shared_ptr<Imported> import_model(const py::object& path,
+                                       const std::map<std::string, py::object>& packages,
+                                       const std::map<std::string, std::string>& arguments,
+                                       const std::string& drives, bool fixed_base, bool floor,
+                                       const py::object& semantics, const std::string& keyframe,
+                                       int convex_parts) {
   dsl::ImportOptions options;
   for (const auto& [name, folder] : packages) options.packages[name] = path_of(folder);
   options.arguments = arguments;
@@ -50,15 +72,30 @@ std::shared_ptr<dsl::ImportResult> import_model(const py::object& path,
       {"torque", dsl::ImportDrives::torque},
       {"velocity", dsl::ImportDrives::velocity}};
   options.drives = chosen("drives", drives, kinds);
-  const std::string file = path_of(path);
-  dsl::LoaderCatalog catalog;
-  options.plugins = &catalog;
-  auto result = std::make_shared<dsl::ImportResult>([&] {
-    const Unlock unlock;
-    return dsl::import_model(file, options);
-  }());
-  if (result->scene.empty()) raise("CompileError", result->diagnostics);
-  return result;
+  return read_model(path_of(path), std::move(options));
+}
+
+/// Writes a model's text, and the files that belong beside it. What it was made of is not replaced.
+template <class Model>
+void write(const Model& model, const std::string& text, OutputKind kind, const fs::path& to,
+           bool overwrite) {
+  OutputRules rules;
+  rules.overwrite = overwrite;
+  rules.inputs = model.files_read;
+  check(check_output(to.string(), kind, rules));
+  check(dsl::write_beside(to.parent_path().string(), model.files, rules));
+  check(write_output_file(to.string(), kind, text, rules));
+}
+
+/// Writes the scene, whose meshes are referred to from the folder it lies in, or are copied there.
+void write_import(const Imported& model, const fs::path& to, bool overwrite) {
+  const fs::path folder = fs::absolute(to).parent_path();
+  if (folder.lexically_normal() == fs::absolute(model.file).parent_path().lexically_normal())
+    return write(model, model.scene, OutputKind::xml, to, overwrite);
+  dsl::ImportOptions options = model.options;
+  options.scene_folder = folder.string();
+  const std::shared_ptr<Imported> moved = read_model(model.file, std::move(options));
+  write(*moved, moved->scene, OutputKind::xml, to, overwrite);
 }
 
 struct Exported : dsl::ExportResult {
@@ -79,18 +116,6 @@ std::shared_ptr<Exported> export_model(const py::object& scene, const std::strin
     return dsl::export_model(*source->model, options);
   }();
   return std::make_shared<Exported>(Exported{value_of(std::move(result)), source->files});
-}
-
-/// Writes a model's text, and the files that belong beside it. What it was made of is not replaced.
-template <class Model>
-void write(const Model& model, const std::string& text, OutputKind kind, const fs::path& to,
-           bool overwrite) {
-  OutputRules rules;
-  rules.overwrite = overwrite;
-  rules.inputs = model.files_read;
-  check(check_output(to.string(), kind, rules));
-  check(dsl::write_beside(to.parent_path().string(), model.files, rules));
-  check(write_output_file(to.string(), kind, text, rules));
 }
 
 std::string name_of(const dsl::ImportResult& model) { return "ImportedModel " + model.format; }
@@ -141,7 +166,7 @@ void bind_import(py::module_& m) {
         return "<" + std::string(dsl::fidelity_name(e.fidelity)) + ": " + e.element +
                (e.message.empty() ? "" : ": " + e.message) + ">";
       });
-  py::class_<dsl::ImportResult, std::shared_ptr<dsl::ImportResult>> imported(
+  py::class_<Imported, std::shared_ptr<Imported>> imported(
       m, "ImportedModel", "A robot or world in another format, as a scene.");
   imported.def_readonly("format", &dsl::ImportResult::format, "'URDF', 'MJCF' or 'SDF'")
       .def_readonly("scene", &dsl::ImportResult::scene, "The scene, XML")
@@ -150,11 +175,13 @@ void bind_import(py::module_& m) {
                     "Paths of all files that were read")
       .def(
           "write",
-          [](const dsl::ImportResult& r, const py::object& path, bool overwrite) {
-            write(r, r.scene, OutputKind::xml, path_of(path), overwrite);
+          [](const Imported& r, const py::object& path, bool overwrite) {
+            write_import(r, path_of(path), overwrite);
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
-          "Write the scene to a file, and the files that belong beside it.");
+          "Write the scene to a file, and the files that belong beside it. In another folder than "
+          "the model's its "
+          "meshes are copied beside it, too.");
   bind_conversion(imported, "list of ImportEntry, in the order of the source");
   py::class_<Exported, std::shared_ptr<Exported>> exported(
       m, "ExportedModel", "A scene, or one assembly of it, in another format.");

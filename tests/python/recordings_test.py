@@ -141,6 +141,20 @@ class Imports(Case):
             model.write(self.folder / "stick.urdf", overwrite=True)
         self.assertEqual((self.folder / "stick.urdf").read_text(), URDF)
 
+    def test_a_scene_in_another_folder_finds_its_meshes(self):
+        mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+        (self.folder / "source" / "parts").mkdir(parents=True)
+        (self.folder / "source" / "parts" / "part.obj").write_text(mesh)
+        model = self.folder / "source" / "r.urdf"
+        model.write_text('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/>'
+                         '</inertial><collision><geometry><mesh filename="parts/part.obj"/></geometry></collision></link></robot>')
+        (self.folder / "elsewhere").mkdir()
+        imported = cg.import_model(model)
+        for to in (self.folder / "elsewhere" / "r.scene.xml", self.folder / "source" / "r.scene.xml"):
+            imported.write(to)
+            self.assertEqual(len(cg.Simulation(to, backend="cogrsim").frame.bodies), 2)
+        self.assertTrue((self.folder / "elsewhere" / "meshes" / "part.obj").exists())
+
     def test_nothing_that_was_read_is_replaced(self):
         mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
         self.write("part.obj", mesh)
