@@ -312,6 +312,7 @@ void Stepper::move(double h) {
   // To the middle of the step: positions by the speeds at the start; speeds by the acceleration of
   // the last step where contact was on then, so that steps with contact cost one evaluation.
   const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
+  accelerations_.with_rows = remembered;
   if (remembered) {
     start_udot_ = memory.udot;
   } else {
@@ -362,6 +363,7 @@ void Stepper::move(double h) {
 
 void Stepper::runge_kutta(double h, bool have_first) {
   Mechanism& m = mechanism_;
+  accelerations_.with_rows = false;
   const auto evaluate = [&](int stage) {
     accelerations_.compute(laws_, k_[stage]);
     m.calc_qdot(qk_[stage]);

@@ -3,6 +3,13 @@
 #include "mechanism/loops.h"
 
 namespace cogrsim::dynamics {
+namespace {
+
+// With more degrees of freedom the recursion beats the dense factor; and with more than this one that
+// rows would need, for components that no row concerns.
+constexpr int kLargestDense = 12, kLargestFactored = 48;
+
+}  // namespace
 
 Accelerations::Accelerations(Mechanism& mechanism)
     : mechanism_(mechanism), efforts_(Values::Zero(mechanism.state.nu())) {}
@@ -29,7 +36,8 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
       double& x = local_[std::size_t(k)];
       x = efforts_[c.speeds[std::size_t(k)]] - x;
     }
-    if (c.recursive) {
+    const bool factored = with_rows || !c.welds.empty();
+    if (c.size() > (factored ? kLargestFactored : kLargestDense)) {
       solve_mass_recursively(c, local_.data());
     } else {
       update_component(m, c);

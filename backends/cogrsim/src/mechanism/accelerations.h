@@ -12,8 +12,11 @@ class Accelerations {
  public:
   explicit Accelerations(Mechanism& mechanism);
 
-  /// udot = M^-1 (f - c) at the mechanism's state: small trees by the factor of M that contact needs
-  /// anyway, long ones by recursion. Loops are then closed, see loops.h.
+  /// Rows will need the factor of M at the states to come.
+  bool with_rows = false;
+
+  /// udot = M^-1 (f - c) at the mechanism's state: by the factor of M where that is small or rows need
+  /// it, else by recursion. Loops are then closed, see loops.h.
   ///
   /// `middle`: the state is the middle of a step, reached by an acceleration, and accelerations are
   /// those that keep the mean speed over the whole step on the loops.

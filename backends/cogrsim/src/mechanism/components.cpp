@@ -261,19 +261,17 @@ void solve_mass(const Component& c, double* x, int position_of_link) {
 void solve_mass_recursively(const Component& c, double* x) {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
-  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-  struct Joint {
-    Columns S, U;
-    Eigen::LLT<Square> D;
+  struct Axis {
+    Vec6 S, U;
+    double inverse;  // of D
   };
   static thread_local std::vector<Mat6> A;
   static thread_local std::vector<Vec6> p;
-  static thread_local std::vector<Joint> joints;
+  static thread_local std::vector<Axis> axes;
   const std::size_t count = c.links.size();
   A.resize(count);
   p.assign(count, Vec6::Zero());
-  joints.resize(count);
+  axes.resize(c.speeds.size());
   for (std::size_t i = 0; i < count; ++i) {
     const Inertia& inertia = c.inertias[i];
     const Vec3& m = inertia.moment;
@@ -281,41 +279,31 @@ void solve_mass_recursively(const Component& c, double* x) {
     cross << 0.0, -m.z(), m.y(), m.z(), 0.0, -m.x(), -m.y(), m.x(), 0.0;
     A[i] << inertia.second, cross, -cross, inertia.mass * Mat3::Identity();
   }
-  const auto speeds = [&](std::size_t i) {
-    return Eigen::Map<Values>(x + c.first[i], c.end_of(i) - c.first[i]);
-  };
+  // A joint of several axes is one after the other, with nothing between them.
   for (std::size_t i = count; i-- > 0;) {
-    Joint& joint = joints[i];
-    auto y = speeds(i);
-    joint.S.resize(6, y.size());
-    for (int k = 0; k < y.size(); ++k) {
-      const Spatial& column = c.motion[std::size_t(c.first[i] + k)];
-      joint.S.col(k) << column.angular, column.linear;
-    }
-    if (y.size() > 0) {
-      joint.U = A[i] * joint.S;
-      Square D = joint.S.transpose() * joint.U;
-      for (int k = 0; k < y.size() && !c.rotors.empty(); ++k)
-        D(k, k) += c.rotors[std::size_t(c.first[i] + k)];
-      joint.D.compute(D);
-      y -= joint.S.transpose() * p[i];
+    for (int k = c.end_of(i); k-- > c.first[i];) {
+      Axis& axis = axes[std::size_t(k)];
+      const Spatial& column = c.motion[std::size_t(k)];
+      axis.S << column.angular, column.linear;
+      axis.U.noalias() = A[i] * axis.S;
+      const double rotor = c.rotors.empty() ? 0.0 : c.rotors[std::size_t(k)];
+      axis.inverse = 1.0 / (axis.S.dot(axis.U) + rotor);
+      x[k] -= axis.S.dot(p[i]);
+      A[i].noalias() -= (axis.inverse * axis.U) * axis.U.transpose();
+      p[i] += (axis.inverse * x[k]) * axis.U;
     }
     if (c.inboard[i] < 0) continue;
-    const std::size_t inboard = std::size_t(c.inboard[i]);
-    A[inboard] += A[i];
-    p[inboard] += p[i];
-    if (y.size() == 0) continue;
-    A[inboard] -= joint.U * joint.D.solve(joint.U.transpose());
-    p[inboard] += joint.U * joint.D.solve(y);
+    A[std::size_t(c.inboard[i])] += A[i];
+    p[std::size_t(c.inboard[i])] += p[i];
   }
   // From here on `p` is the acceleration.
   for (std::size_t i = 0; i < count; ++i) {
-    const Joint& joint = joints[i];
     p[i] = c.inboard[i] < 0 ? Vec6(Vec6::Zero()) : p[std::size_t(c.inboard[i])];
-    auto y = speeds(i);
-    if (y.size() == 0) continue;
-    y = joint.D.solve(y - joint.U.transpose() * p[i]).eval();
-    p[i] += joint.S * y;
+    for (int k = c.first[i]; k < c.end_of(i); ++k) {
+      const Axis& axis = axes[std::size_t(k)];
+      x[k] = axis.inverse * (x[k] - axis.U.dot(p[i]));
+      p[i] += x[k] * axis.S;
+    }
   }
 }
 

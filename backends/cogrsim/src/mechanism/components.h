@@ -51,7 +51,6 @@ struct Component {
   std::vector<Weld> welds;     ///< with some, `links` go tree by tree
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
   bool is_free_body = false;   ///< one free body: closed forms hold
-  bool recursive = false;      ///< has a tree for which the recursion beats the dense factor
   int offset = 0;              ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
   /// One beyond the last local degree of freedom of a link at a position in `links`.

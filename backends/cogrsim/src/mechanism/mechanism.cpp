@@ -15,9 +15,6 @@ constexpr int kMostProjections = 100;  // largest number of projections;
 constexpr double kLeastShare = 1e-2;   // steps no shorter than this share of one of them;
 constexpr double kCannotClose = 1e-6;  // what of a gap is then an error.
 
-// Beyond this many degrees of freedom in one tree the recursion beats the dense block.
-constexpr int kLargestDense = 48;
-
 }  // namespace
 
 Mechanism::Mechanism(SceneModelPtr model) : model_(std::move(model)), plan_(plan_tree(*model_)) {
@@ -142,8 +139,6 @@ void Mechanism::arrange(Component& c) const {
     for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
     c.trees.back().end = c.size();
   }
-  for (const Component::Range& tree : c.trees)
-    c.recursive = c.recursive || tree.end - tree.first > kLargestDense;
   for (int i : c.links) {
     const PlannedLink& plan = links_[std::size_t(i)].plan;
     if (!plan.shadow) continue;
