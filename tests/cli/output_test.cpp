@@ -267,6 +267,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "F",
                                           "CAMERA|VIEW",
                                           "LIST",
+                                          "LIST|lacking",
                                           "SIZE",
                                           "1..5|1,3",
                                           "text|json",
