@@ -124,6 +124,7 @@ Result<std::unique_ptr<Session>> open_session(const StudioOptions& options, Serv
     about_run.step = options.step;
     about_run.seed = options.seed;
     about_run.isolation = options.isolation;
+    about_run.without = options.without;
     about_run.parameters = options.parameters;
     const auto folder = std::filesystem::path(options.file).parent_path();
     about_run.folder = folder.empty() ? "." : folder.string();

@@ -26,6 +26,7 @@ struct StudioOptions {
   bool allow_build = false;
   std::vector<std::string> plugin_paths;
   Isolation isolation = Isolation::process;  ///< of controllers that do not say
+  std::vector<std::string> without;          ///< see SimulationOptions
 };
 
 /// Serves until SIGINT or SIGTERM. Returns a cli::ExitStatus.

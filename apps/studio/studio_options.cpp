@@ -17,7 +17,7 @@ using Problem = cogrsim::Error;
 
 struct StudioArguments {
   std::string step, seed, isolation;
-  std::vector<std::string> set;
+  std::vector<std::string> set, without;
   bool no_open = false;
   bool keep_token = false, new_token = false;
   StudioOptions options;
@@ -30,15 +30,17 @@ StudioOptions options_from(const StudioArguments& arguments) {
   options.parameters = cli::settings_from(arguments.set);
   if (!arguments.step.empty()) options.step = cli::step_from(arguments.step);
   if (!arguments.seed.empty()) options.seed = cli::seed_from(arguments.seed);
+  options.without = cli::without_from(arguments.without);
   if (arguments.isolation == "none") options.isolation = Isolation::none;
   if (cli::is_recording(options.file)) {
-    const char* argument = !options.backend.empty()   ? "--backend"
-                       : options.step > 0.0       ? "--step"
-                       : options.seed             ? "--seed"
-                       : !arguments.set.empty()   ? "--set"
-                       : options.allow_build      ? "--allow-build"
-                       : !arguments.isolation.empty() ? "--isolation"
-                                                  : nullptr;
+    const char* argument = !options.backend.empty()       ? "--backend"
+                           : options.step > 0.0           ? "--step"
+                           : options.seed                 ? "--seed"
+                           : !arguments.set.empty()       ? "--set"
+                           : !options.without.empty()     ? "--without"
+                           : options.allow_build          ? "--allow-build"
+                           : !arguments.isolation.empty() ? "--isolation"
+                                                          : nullptr;
     if (argument) {
       throw cli::UsageError(argument, Problem("a recording cannot be run again", "",
                                           "leave it out, or open the scene"));
@@ -90,6 +92,7 @@ void add_studio(CLI::App& app, int& status) {
   cli::add_list(command, "--set", arguments->set,
                 "Value of a <param> of the scene, in the scene's own notation; may be repeated",
                 "NAME=VALUE");
+  cli::add_without(command, arguments->without);
   command
       .add_option("--isolation", arguments->isolation,
                   "Where controllers run whose <controller> does not say: \"process\", each in a "

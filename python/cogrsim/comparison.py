@@ -129,17 +129,18 @@ class Comparison:
 
 
 def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=None, set=None, seed=None,
-            plugin_path=(), threshold=None):
+            plugin_path=(), threshold=None, without=()):
     """Run a scene on several engines side by side: a Comparison.
 
     scene: path of a scene file, or a Scene compiled from one. backends: names, also with options; the first
     is the reference; empty: all. seeds: repetitions. duration, step: [s]; None: those of the scene. shake:
-    largest random displacement of the start of each repetition [m]. threshold: "5mm,2deg".
+    largest random displacement of the start of each repetition [m]. threshold: "5mm,2deg". without: features of the
+    scene that are left out, such as ["couplings"]; ["lacking"]: of each engine what it lacks.
     Runs the program `cogrsim compare`, so controllers in Python are not available in it.
     Raises Error with what the program printed; ValueError: a scene that is not a file.
     """
     arguments = ["compare", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
-                 *seeds_argument(seeds)]
+                 *seeds_argument(seeds), *list_argument("without", without)]
     arguments += [*time_argument("duration", duration), *time_argument("step", step)]
     if shake is not None:
         arguments += ["--shake", f"{number('shake', shake, 'a length [m]')!r} m"]

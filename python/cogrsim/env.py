@@ -76,7 +76,8 @@ class VectorEnv(_VectorBase):
         of the scene.
     frame_skip: engine steps per step(). duration: length of an episode at most [s] (truncated); None: that
         of the scene, if it has one. step: time step of the engine [s]; 0: that of the scene.
-    threads: 0: one per core. missing: value of a signal without a value.
+    threads: 0: one per core. missing: value of a signal without a value. without: features of the scene that
+        are left out, as Simulation has them.
 
     Same-step autoreset: the observations of a world whose episode ended are those of its next episode;
     infos["final_obs"][i] is the last of the old one, infos["_final_obs"] says where. The results do not
@@ -89,8 +90,8 @@ class VectorEnv(_VectorBase):
     spec = None
 
     def __init__(self, scene, n, *, actions=(), observations=(), done="", reward="", backends=(),
-                 frame_skip=1, duration=None, step=0.0, threads=0, missing=0.0):
-        _check_names(actions=actions, observations=observations, backends=backends)
+                 frame_skip=1, duration=None, step=0.0, threads=0, missing=0.0, without=()):
+        _check_names(actions=actions, observations=observations, backends=backends, without=without)
         self.num_envs = _whole(n, "n")
         given = list(scene) if isinstance(scene, (list, tuple)) else [scene]
         if len(given) not in (1, self.num_envs):
@@ -102,7 +103,7 @@ class VectorEnv(_VectorBase):
             duration = scene.duration if scene.duration is not None else math.inf
         self._batch = _cogrsim._Batch(
             given, self.num_envs, list(actions), list(observations), done, reward, list(backends), step,
-            threads, [], float(duration), True, missing)
+            threads, [], float(duration), True, missing, list(without))
         self.single_action_space = _action_space(scene, actions)
         self.single_observation_space = spaces.Box(
             -math.inf, math.inf, shape=(len(observations),), dtype=numpy.float64)
@@ -222,17 +223,18 @@ class Env(_Base):
     spec = None
 
     def __init__(self, scene, *, actions=(), observations=(), done="", reward="", backend=None,
-                 frame_skip=1, duration=None, step=0.0, missing=0.0):
+                 frame_skip=1, duration=None, step=0.0, missing=0.0, without=()):
         if not isinstance(scene, _cogrsim.Scene):
             scene = _cogrsim.compile(scene)
-        _check_names(actions=actions, observations=observations)
+        _check_names(actions=actions, observations=observations, without=without)
         self.scene = scene
         self.frame_skip = _whole(frame_skip, "frame_skip", 1)
         if duration is None:
             duration = scene.duration if scene.duration is not None else math.inf
         self._batch = _cogrsim._Batch(
             [scene], 1, list(actions), list(observations), done, reward,
-            [] if backend is None else [backend], step, 1, [], float(duration), False, missing)
+            [] if backend is None else [backend], step, 1, [], float(duration), False, missing,
+            list(without))
         self.action_space = _action_space(scene, actions)
         self.observation_space = spaces.Box(
             -math.inf, math.inf, shape=(len(observations),), dtype=numpy.float64)

@@ -61,7 +61,7 @@ def _recorded(source):
         isinstance(source, (str, os.PathLike)) and os.fspath(source).endswith(".mcap"))
 
 
-def _files(source, set, plugin_path, **of_scenes):
+def _files(source, set, plugin_path, without, **of_scenes):
     """Arguments for a recording, or for a scene. Raises ValueError: what only scenes have, with a recording."""
     if not _recorded(source):
         of_type("source", source, (str, os.PathLike, _cogrsim.Scene), "a scene or a recording")
@@ -70,8 +70,8 @@ def _files(source, set, plugin_path, **of_scenes):
             arguments += ["--seed", str(seed_of(source))]
         for name, value in of_scenes.items():
             arguments += [f"--{name}", text(name, value)] if value is not None else []
-        return arguments
-    for name, value in {"set": set, "plugin_path": plugin_path, **of_scenes}.items():
+        return arguments + list_argument("without", without)
+    for name, value in {"set": set, "plugin_path": plugin_path, "without": without, **of_scenes}.items():
         if value:
             raise ValueError(f"{name}: only a scene takes it; the source is a recording")
     return [file_path("source", source.path if isinstance(source, Recording) else source)]
@@ -97,7 +97,8 @@ def _text(path):
         return file.read()
 
 
-def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, plugin_path=()):
+def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, plugin_path=(),
+         without=()):
     """Run the tests of a scene, of several, or of a folder: list of dict, one per case.
 
     Keys as `cogrsim test --format json` has them: scene, test, backends, seed, status ("passed", "failed",
@@ -114,7 +115,7 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
             raise ValueError("scenes: expected files, or one Scene, where seeds were given to compile()")
         seeds = [seed_of(scenes[0])]
     arguments = ["test", "--format", "json", *list_argument("backends", backends), *seeds_argument(seeds),
-                 *time_argument("timeout", timeout)]
+                 *time_argument("timeout", timeout), *list_argument("without", without)]
     if filter is not None:
         arguments += ["--filter", text("filter", filter)]
     for scene in scenes:
@@ -128,7 +129,7 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
 
 
 def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, step=None, jobs=None,
-          output=None, set=None, plugin_path=()):
+          output=None, set=None, plugin_path=(), without=()):
     """Run a scene many times: a structured array with one row per run, the columns of results.csv.
 
     vary: values by <param>, as a list or a text such as "3cm..5cm:5"; several make a grid. measure: numbers by
@@ -140,7 +141,8 @@ def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, 
     if not seeds and seed_of(scene) is not None:
         seeds = [seed_of(scene)]
     arguments = ["sweep", *scene_arguments(scene, set, plugin_path), *list_argument("backends", backends),
-                 *seeds_argument(seeds), *time_argument("until", until), *time_argument("step", step)]
+                 *seeds_argument(seeds), *time_argument("until", until), *time_argument("step", step),
+                 *list_argument("without", without)]
     for name, values in mapping("vary", vary, "values by parameter").items():
         if not isinstance(values, str):
             values = ",".join(str(v) for v in entries(f"vary[{name!r}]", values, "values"))
@@ -182,7 +184,7 @@ def plot(source, y=(), *, x=None, z=None, kind=None, title=None, plot=None, ever
     sources = source if isinstance(source, (list, tuple)) else [source]
     if not sources:
         raise ValueError("source: expected at least one recording")
-    arguments = ["plot"] + [part for one in sources for part in _files(one, None, ())]
+    arguments = ["plot"] + [part for one in sources for part in _files(one, None, (), ())]
     for signal in [y] if isinstance(y, str) else entries("y", y, "signals"):
         arguments += ["--y", text("y", signal, "signals")]
     for name, value in (("x", x), ("z", z), ("kind", kind), ("title", title), ("plot", plot)):
@@ -225,14 +227,15 @@ def figure(series, *, x="", y="", title="", format="svg"):
         return Picture(format, _made(["plot", path], "figure." + format, _bytes))
 
 
-def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=None, plugin_path=(), format="svg"):
+def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=None, plugin_path=(), format="svg",
+        without=()):
     """The plan view of a scene or recording with the robots' paths, at the time `at` [s]: a Picture.
 
     area: (x, y, x, y) [m]; None: everything. trail: bodies or assemblies to follow; empty: the robots.
     Raises Error with what the program printed.
     """
     one_of("format", format, _KINDS)
-    arguments = ["map", *_files(source, set, plugin_path, backend=backend), *time_argument("at", at),
+    arguments = ["map", *_files(source, set, plugin_path, without, backend=backend), *time_argument("at", at),
                  "--width", str(whole("width", width)), *list_argument("trail", trail)]
     if area is not None:
         corners = [number("area", v, "numbers x, y, x, y [m]") for v in entries("area", area, "numbers")]
@@ -240,11 +243,11 @@ def map(source, *, at=None, area=None, width=900, trail=(), backend=None, set=No
     return Picture(format, _made(arguments, "map." + format, _bytes))
 
 
-def bundle(source, *, backend=None, duration=None, every=None, set=None, plugin_path=(), height=520):
+def bundle(source, *, backend=None, duration=None, every=None, set=None, plugin_path=(), height=520, without=()):
     """A run on one page, in 3D, with its timeline and curves: a Page. `source`: a recording, or a scene, which
     is run. Raises Error with what the program printed."""
     whole("height", height)
-    arguments = ["bundle", *_files(source, set, plugin_path, backend=backend),
+    arguments = ["bundle", *_files(source, set, plugin_path, without, backend=backend),
                  *time_argument("duration", duration), *time_argument("every", every)]
     return Page(_made(arguments, "run.html", _text), height)
 

@@ -64,7 +64,8 @@ BatchPtr make_batch(const std::vector<py::object>& scenes, int count,
                     const std::vector<std::string>& observations, const std::string& done,
                     const std::string& reward, const std::vector<std::string>& backends,
                     double step, int threads, const std::vector<std::uint64_t>& seeds,
-                    double duration, bool auto_reset, double missing) {
+                    double duration, bool auto_reset, double missing,
+                    const std::vector<std::string>& without) {
   if (count < 1)
     throw py::value_error("n: expected at least 1 world, given " + std::to_string(count));
   if (count > kMostWorlds)
@@ -84,6 +85,7 @@ BatchPtr make_batch(const std::vector<py::object>& scenes, int count,
   options.duration = duration;
   options.auto_reset = auto_reset;
   options.missing = missing;
+  options.without = without;
   auto made = [&] {
     const Unlock unlock;
     return Batch::create(models_of(out->scenes, count, backends), options,
@@ -253,7 +255,7 @@ void bind_batch(py::module_& m) {
       .def(py::init(&make_batch), py::arg("scenes"), py::arg("n"), py::arg("actions"),
            py::arg("observations"), py::arg("done"), py::arg("reward"), py::arg("backends"),
            py::arg("step"), py::arg("threads"), py::arg("seeds"), py::arg("duration"),
-           py::arg("auto_reset"), py::arg("missing"))
+           py::arg("auto_reset"), py::arg("missing"), py::arg("without"))
       .def("step", held(&step), py::arg("actions"), py::arg("steps"))
       .def("advance", held(&advance_worlds), py::arg("actions"), py::arg("steps"))
       .def("reset", held(&reset), py::arg("seeds"), py::arg("worlds"))

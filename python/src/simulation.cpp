@@ -63,10 +63,11 @@ double finite_time(double time, const char* name) {
 
 SessionPtr make_session(const py::object& scene, const py::object& backend, double step,
                         const std::optional<std::uint64_t>& seed, double speed,
-                        const std::string& isolation) {
+                        const std::string& isolation, std::vector<std::string> without) {
   auto session = std::make_shared<Session>();
   session->scene = scene_of(scene);
-  const SimulationOptions options = simulation_options(backend, step, seed, speed, isolation);
+  const SimulationOptions options =
+      simulation_options(backend, step, seed, speed, isolation, std::move(without));
   auto created = [&] {
     const Unlock unlock;
     return Simulation::create(session->scene->model, options, session->scene->loader);
@@ -149,8 +150,10 @@ Use::Use(Usage& usage, const char* what) : usage_(usage) {
 
 SimulationOptions simulation_options(const py::object& backend, double step,
                                      const std::optional<std::uint64_t>& seed, double speed,
-                                     const std::string& isolation) {
+                                     const std::string& isolation,
+                                     std::vector<std::string> without) {
   SimulationOptions options;
+  options.without = std::move(without);
   if (!backend.is_none()) options.backend = text_of(backend, "backend");
   options.step = step;
   options.seed = seed;
@@ -241,6 +244,8 @@ backend: 'cogrsim', 'bullet', 'mujoco', 'ode', 'simbody', also with options,
 step: time step [s]; 0: that of the scene. seed: None: that of the scene.
 speed: simulated seconds per second; inf: no limit.
 isolation: 'process' runs controllers in processes of their own.
+without: features of the scene that are left out, as `cogrsim run --without` has them, such as
+    ["couplings"]; ["lacking"]: what the engine lacks. .provenance["left_out"] says what that was.
 
 One thread at a time: a call while another thread is inside one raises RuntimeError. Stepping releases the
 interpreter's lock; different simulations run in different threads at once. Ctrl-C raises KeyboardInterrupt
@@ -249,7 +254,7 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
   type.def(py::init(&make_session), py::arg("scene"), py::arg("backend") = py::none(),
            py::kw_only(), py::arg("step") = 0.0, py::arg("seed") = py::none(),
            py::arg("speed") = std::numeric_limits<double>::infinity(),
-           py::arg("isolation") = "none")
+           py::arg("isolation") = "none", py::arg("without") = std::vector<std::string>())
       .def(
           "step",
           [](const SessionPtr& s, std::int64_t n) {

@@ -52,7 +52,8 @@ using SessionPtr = std::shared_ptr<Session>;
 
 SimulationOptions simulation_options(const py::object& backend, double step,
                                      const std::optional<std::uint64_t>& seed, double speed,
-                                     const std::string& isolation);
+                                     const std::string& isolation,
+                                     std::vector<std::string> without);
 /// Steps until `end` [s], or `most` steps, and returns the frame there; with `progress`, with a line of
 /// progress. Raises KeyboardInterrupt between two steps.
 PyFrame advance(Session& session, double end, std::uint64_t most, bool progress = false);

@@ -70,11 +70,12 @@ SnapshotFile file_of(const py::object& snapshot) {
 
 SessionPtr resumed(const py::object& snapshot, const py::object& scene, const py::object& backend,
                    double step, const std::optional<std::uint64_t>& seed, double speed,
-                   const std::string& isolation) {
+                   const std::string& isolation, std::vector<std::string> without) {
   const SnapshotFile file = file_of(snapshot);
   auto session = std::make_shared<Session>();
   session->scene = scene_of(scene);
-  SimulationOptions options = simulation_options(backend, step, seed, speed, isolation);
+  SimulationOptions options =
+      simulation_options(backend, step, seed, speed, isolation, std::move(without));
   if (backend.is_none()) options.backend = file.info().backend;
   if (!seed) options.seed = file.info().seed;
   if (step == 0.0) options.step = file.info().step;
@@ -133,11 +134,12 @@ void bind_snapshots(py::module_& m, py::class_<Session, SessionPtr>& type) {
   m.def("resume", &resumed, py::arg("snapshot"), py::arg("scene"), py::arg("backend") = none,
         py::kw_only(), py::arg("step") = 0.0, py::arg("seed") = none,
         py::arg("speed") = std::numeric_limits<double>::infinity(), py::arg("isolation") = "none",
+        py::arg("without") = std::vector<std::string>(),
         "A Simulation of `scene` that continues from a snapshot: bytes of save_bytes(), or the "
         "path of a\n"
         "file. The engine, step and seed are those of the snapshot unless given, and the scene may "
         "have\n"
-        "been edited; what could not be transferred is in .notes.\n"
+        "been edited; what could not be transferred is in .notes. `without` is as in Simulation.\n"
         "Raises Error: no snapshot, damaged, or of a scene with another name.");
 }
 

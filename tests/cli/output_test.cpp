@@ -267,6 +267,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "F",
                                           "CAMERA|VIEW",
                                           "LIST",
+                                          "LIST|lacking",
                                           "SIZE",
                                           "1..5|1,3",
                                           "text|json",
@@ -550,43 +551,43 @@ velocity="9"/></joint>)";
   CHECK(engines > 0);
 }
 
-TEST_CASE("an import leaves out the limits that a named engine refuses", "[cli]") {
+TEST_CASE("a run leaves out what its engine lacks, on request and said in its head", "[cli]") {
   const TemporaryFolder folder;
-  const auto robot = [&](const std::string& limits) {
-    const std::string file = folder / "a.urdf", body = R"(<inertial><mass value="1"/>
-<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>)";
-    put(file, R"(<robot name="a"><link name="base">)" + body + R"(<link name="arm">)" + body +
-                  R"(<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/>
-<axis xyz="0 1 0"/><limit )" +
-                  limits + R"( effort="9" velocity="9"/></joint></robot>)");
-    return file;
-  };
-  const std::string scene = folder / "a.scene.xml";
-  const auto runs = [&](const std::string& engine) {
-    return cogrsim_run({"run", scene, "-b", engine, "-d", "0.01"}).status == 0;
-  };
-  const std::string narrow = robot(R"(lower="-1" upper="1")");
-  const Outcome made = cogrsim_run({"import", narrow, "-o", scene});
-  REQUIRE(made.status == 0);
-  std::vector<std::string> engines;
-  std::istringstream lines(made.err);
-  for (std::string line, engine; std::getline(lines, line);)
-    if (line.find(" runs it") != std::string::npos && std::istringstream(line) >> engine)
-      engines.push_back(engine);
-  REQUIRE_FALSE(engines.empty());
-  // Some engines count turns, and some do not.
-  const std::string wide = robot(R"(lower="-4" upper="5")");
-  for (const std::string& engine : engines) {
-    INFO(engine);
-    REQUIRE(cogrsim_run({"import", wide, "-o", scene, "--overwrite"}).status == 0);
-    const bool takes_them = runs(engine);
-    const Outcome without =
-        cogrsim_run({"import", wide, "-o", scene, "--overwrite", "--engines", engine});
-    REQUIRE(without.status == 0);
-    CHECK(runs(engine));
-    const bool left_out = without.err.find("limits of joint 'elbow'") != std::string::npos;
-    CHECK(left_out != takes_them);
-    if (left_out)
-      CHECK_THAT(without.err, Contains("-4 to 5 rad: '" + engine + "' does not support them"));
+  const std::string scene = folder / "a.scene.xml", json = folder / "a.json";
+  // The toys have no friction of rolling.
+  put(scene, R"(<scene name="a" version="1"><physics step="1 ms" duration="0.01 s"/>
+  <sphere name="ball" radius="5 cm" mass="1 kg" rolling-friction="1 mm"/>
+  <test name="starts"><expect that="ball.x" equals="0 m" tolerance="1 mm"/></test></scene>)");
+  const Outcome refused = with_toys({"run", scene, "-b", "toy"});
+  CHECK(refused.status == 1);
+  CHECK_THAT(refused.err, Contains("--without contact.rolling-friction leaves it out of a run"));
+  const std::string left_out = "contact.rolling-friction (1 material)";
+  const std::string what = "contact.rolling-friction";
+  for (const std::string& without : {std::string("lacking"), what}) {
+    INFO(without);
+    const Outcome run =
+        with_toys({"run", scene, "-b", "toy", "--without", without, "--json", json});
+    CHECK(run.status == 0);
+    CHECK_THAT(run.out, Contains("left out  " + left_out));
+    CHECK_THAT(read_file(json), Contains(R"("feature": ")" + what));
   }
+  const Outcome compared =
+      with_toys({"compare", scene, "-b", "toy,cogrsim", "--without", "lacking", "--json", json});
+  CHECK(compared.status == 0);
+  const std::string& out = compared.out;
+  REQUIRE(out.find(left_out) != std::string::npos);
+  CHECK(out.find(left_out) == out.rfind(left_out));  // the other engine has it
+  const Outcome tested = with_toys({"test", scene, "--backends", "toy", "--without", "lacking"});
+  CHECK_THAT(tested.out, Contains("toy without " + left_out));
+  CHECK(tested.status == 0);
+  Arguments sweep = {"sweep", scene, "-b", "toy", "-o", folder / "study", "--without", "lacking"};
+  const Outcome swept = with_toys(sweep);
+  CHECK(swept.status == 0);
+  CHECK_THAT(swept.out, Contains("toy without " + left_out));
+  sweep.back() = "couplings";
+  CHECK_THAT(with_toys(sweep).err, Contains("is of another study: without was"));
+  CHECK(with_toys({"check", scene, "-b", "toy", "--without", "lacking"}).status == 0);
+  const Outcome wrong = with_toys({"run", scene, "--without", "lacking,coupling"});
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.err, Contains("did you mean 'couplings'?"));
 }

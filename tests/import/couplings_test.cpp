@@ -139,20 +139,3 @@ TEST_CASE("a loop with a joint that a coupling moves at the start is left out", 
   CHECK(in.reports(kLeftOut, "loop 'loop'", "coupling"));
   CHECK(in.joint("held").type == JointType::fixed);
 }
-
-TEST_CASE("rotor inertias and couplings that an engine lacks are left out", "[mjcf]") {
-  Imported in;
-  in.options.without.rotor_inertia = "'x' does not support it";
-  in.options.without.couplings = "'x' has none";
-  in.read(R"(<mujoco><worldbody><body name="b"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-    <joint name="one" axis="0 1 0" armature="0.1"/>
-    <body name="c" pos="0 0 1"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-      <joint name="two" axis="0 1 0"/></body></body></worldbody>
-    <equality><joint joint1="two" joint2="one"/></equality></mujoco>)",
-          "m.xml");
-  REQUIRE(in.model);
-  CHECK(in.model->couplings.empty());
-  CHECK(in.joint("one").axes.at(0).rotor_inertia == 0.0);
-  CHECK(in.reports(dsl::Fidelity::left_out, "rotor inertia of joint 'one'", "'x' does not"));
-  CHECK(in.reports(dsl::Fidelity::left_out, "coupling of joint 'two'", "'x' has none"));
-}

@@ -116,15 +116,6 @@ TEST_CASE("an actuator of a tendon whose joints are coupled drives the joint tha
   // u = 0 holds 100 * 2 L = 0.8, so q1 = 0.175 - 0.004.
   CHECK(in.reports(kExact, "general 'grip'", "-0.002 u + 0.171 at joint 'one'"));
   CHECK(in.reports(kExact, "general 'grip'", "which the others follow"));
-  // Without the coupling it drives one joint only.
-  in.options.without.couplings = "'x' has none";
-  in.read(model(R"(<tendon>
-      <fixed name="t"><joint joint="one" coef="1"/><joint joint="three" coef="1"/></fixed></tendon>
-    <equality><joint joint1="three" joint2="one"/></equality>
-    <actuator><motor name="grip" tendon="t"/></actuator>)"),
-          "m.xml");
-  REQUIRE(in.model);
-  CHECK(in.reports(kApproximate, "drive 'grip'", "does not move joint 'three'"));
 }
 
 TEST_CASE("a motor of a tendon of free joints is one motor for each", "[mjcf][tendon]") {

@@ -319,35 +319,6 @@ TEST_CASE("an inertia that is zero is taken from the shapes", "[urdf]") {
   CHECK(in.reports(kApproximate, "inertia of link 'a'", "the nearest possible ones"));
 }
 
-TEST_CASE("limits that an engine lacks are left out", "[urdf]") {
-  Imported in;
-  std::string asked;
-  in.options.without.limits = [&](const Joint& joint) {
-    asked += joint.name + (joint.type == JointType::slider ? " slides " : " turns ") +
-             std::to_string(joint.position.at(0)) + '\n';
-    const JointAxis& axis = joint.axes.at(0);
-    return std::string(axis.upper - axis.lower > 6.0 ? "'x' does not support them" : "");
-  };
-  const std::string link =
-      R"(<link name="N"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>)";
-  std::string text = "<robot name=\"r\">";
-  for (const char* name : {"a", "b", "c", "d"}) text += std::string(link).replace(12, 1, name);
-  text += R"(
-    <joint name="wide" type="revolute"><parent link="a"/><child link="b"/>
-      <limit lower="-4" upper="3" effort="1" velocity="1"/></joint>
-    <joint name="narrow" type="prismatic"><parent link="a"/><child link="c"/>
-      <limit lower="1" upper="2" effort="1" velocity="1"/></joint>
-    <joint name="free" type="continuous"><parent link="a"/><child link="d"/></joint></robot>)";
-  in.read(text);
-  REQUIRE(in.model);
-  CHECK(asked == "wide turns 0.000000\nnarrow slides 1.000000\n");
-  CHECK_FALSE(in.joint("wide").axes.at(0).has_limit());
-  CHECK(in.joint("narrow").axes.at(0).upper == 2.0);
-  CHECK(in.reports(dsl::Fidelity::left_out, "limits of joint 'wide'",
-                   "-4 to 3 rad: 'x' does not support them"));
-  CHECK(in.result.count(dsl::Fidelity::left_out) == 1);
-}
-
 TEST_CASE("a mesh that moves is decomposed if that is asked", "[urdf][mesh]") {
   Imported in;
   // An L of two bars of 1 m x 0.2 m x 0.2 m; the hull fills half a square of 0.8 m.

@@ -86,6 +86,29 @@ class Recordings(Case):
 
 
 class Comparisons(Case):
+    def test_without_what_an_engine_lacks(self):
+        scene = self.folder / "hang.scene.xml"
+        scene.write_text("""<scene name="hang" version="1"><physics step="1 ms" duration="0.01 s"/>
+            <sphere name="bob" radius="5 cm" mass="1 kg" xyz="0.3 0 0"/>
+            <ball name="hang" child="bob" upper="30 deg"/>
+            <test name="hangs"><expect that="bob.x" equals="0.3 m" tolerance="1 mm"/></test></scene>""")
+        with self.assertRaisesRegex(cg.Error, "--without joint.limit.ball"):
+            cg.Simulation(scene, backend="bullet")
+        left_out = [{"feature": "joint.limit.ball", "of": "joint", "count": 1}]
+        sim = cg.Simulation(scene, backend="bullet", without=["lacking"])
+        self.assertEqual(sim.provenance["left_out"], left_out)
+        again = cg.resume(sim.save_bytes(), scene, without=["limits"])
+        self.assertEqual(again.provenance["left_out"], left_out)
+        result = cg.compare(scene, backends=["cogrsim", "bullet"], without=["lacking"])
+        self.assertEqual([run["provenance"]["left_out"] for run in result.runs], [[], left_out])
+        self.assertEqual(cg.test(scene, ["bullet"], without=["lacking"])[0]["status"], "passed")
+        self.assertEqual(cg.sweep(scene, backends=["bullet"], without=["lacking"])["status"][0], "completed")
+        cg.map(scene, backend="bullet", without=["lacking"])
+        with self.assertRaisesRegex(cg.Error, "did you mean 'couplings'"):
+            cg.Simulation(scene, without=["coupling"])
+        with self.assertRaisesRegex(TypeError, "list of names"):
+            cg.compare(scene, without="lacking")
+
     def test_compare(self):
         result = cg.compare(CART, backends=["bullet", "cogrsim"], duration=0.2)
         self.assertEqual(result.backends, ["bullet", "cogrsim"])

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/physics/leave_out.h"
 #include "common/options.h"
 #include "common/quantities.h"
 
@@ -51,6 +52,21 @@ std::map<std::string, std::string> settings_from(const std::vector<std::string>&
     }
   }
   return settings;
+}
+
+void add_without(CLI::App& command, std::vector<std::string>& to) {
+  add_list(command, "--without", to,
+           "Features of the scene that the run leaves out, with commas, as `cogrsim plugins` names "
+           "them, or couplings, limits, loops, rotor-inertia; lacking: all that the engine lacks",
+           "LIST|lacking");
+}
+
+std::vector<std::string> without_from(const std::vector<std::string>& arguments) {
+  std::vector<std::string> names;
+  for (const std::string& argument : arguments)
+    for (const std::string& name : split(argument, ',')) names.push_back(name);
+  if (const auto known = check_without(names); !known) throw UsageError("--without", known.error());
+  return names;
 }
 
 void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,

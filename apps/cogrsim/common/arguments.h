@@ -35,6 +35,10 @@ std::uint64_t seed_from(const std::string& argument);
 /// An option that may be repeated, one argument at a time.
 void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
               const char* type);
+/// `--without`: what runs leave out.
+void add_without(CLI::App& command, std::vector<std::string>& to);
+/// The names in its arguments, see check_without().
+std::vector<std::string> without_from(const std::vector<std::string>& arguments);
 /// `--set NAME=VALUE`, each name once.
 std::map<std::string, std::string> settings_from(const std::vector<std::string>& arguments);
 

@@ -36,7 +36,8 @@ std::string contents_text(const SceneModel& model) {
 }
 
 // The diagnostics of the backend that would run the scene: the one asked for, else the scene's own.
-void check_backend(const std::string& asked, LoadedScene& scene) {
+void check_backend(const CheckOptions& options, LoadedScene& scene) {
+  const std::string& asked = options.backend;
   const std::string name = asked.empty() ? scene.model->physics.backend : asked;
   if (name.empty()) return;
   const auto backend = scene.loader->backend(name);
@@ -48,6 +49,7 @@ void check_backend(const std::string& asked, LoadedScene& scene) {
     scene.diagnostics.push_back(std::move(diagnostic));
     return;
   }
+  scene.model = leave_out(scene.model, (*backend)->capabilities(), options.without);
   for (Diagnostic& diagnostic :
        check_capabilities(*scene.model, name, (*backend)->capabilities())) {
     scene.diagnostics.push_back(std::move(diagnostic));
@@ -76,7 +78,7 @@ int check_command(const CheckOptions& options) {
     scene_options.set = options.set;
     scene_options.plugin_paths = options.plugin_paths;
     LoadedScene scene = load_scene(scene_options);
-    if (scene.model) check_backend(options.backend, scene);
+    if (scene.model) check_backend(options, scene);
     const auto found = static_cast<std::size_t>(
         std::count_if(scene.diagnostics.begin(), scene.diagnostics.end(), is_error));
     const std::size_t warnings = scene.diagnostics.size() - found;

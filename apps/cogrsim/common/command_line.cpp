@@ -40,7 +40,7 @@ struct Arguments {
   std::vector<std::string> global_plugin_paths, plugin_paths;  // before and after the subcommand
   std::vector<std::string> scenes;
   std::string scene, backend, duration, speed, seed, json, record, report, code, format = "text";
-  std::vector<std::string> steps, set, thresholds, backends;
+  std::vector<std::string> steps, set, thresholds, backends, without;
   std::vector<std::string> files, plots, x, y, z, by, save_at;
   std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
@@ -85,6 +85,7 @@ SceneOptions scene_from(const Arguments& arguments) {
                                  "a run lasts more than 0 s and at most 1e9 s");
   }
   options.plugin_paths = plugin_paths_from(arguments);
+  options.without = without_from(arguments.without);
   return options;
 }
 
@@ -267,6 +268,7 @@ void add_scene_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--seed", arguments.seed, "Seed of all randomness; default: the scene's")
       ->type_name("N");
   add_set(command, arguments);
+  add_without(command, arguments.without);
   add_plugin_path(command, arguments.plugin_paths);
 }
 
@@ -445,6 +447,7 @@ void add_compare(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim compare robot.scene.xml --step 4ms --step 2ms --step 1ms      with convergence\n"
       "  cogrsim compare robot.scene.xml --backends \"bullet,bullet(iterations=50),cogrsim\"\n"
       "  cogrsim compare robot.scene.xml --seeds 1..20 --shake 1mm --table robot.tex\n"
+      "  cogrsim compare robot.scene.xml --without lacking     each engine without what it lacks\n"
       "Differences are a finding, not a failure: exit status 0 unless a scene or a run failed.");
   command.callback([&] { status = compare_command(compare_from(arguments)); });
 }
@@ -462,6 +465,7 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
       ->type_name("F")
       ->capture_default_str();
   add_set(command, arguments);
+  add_without(command, arguments.without);
   add_plugin_path(command, arguments.plugin_paths);
   command.footer(
       "Examples:\n"
@@ -474,6 +478,7 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
     options.set = settings_from(arguments.set);
     options.backend = arguments.backend;
     options.format = arguments.format;
+    options.without = without_from(arguments.without);
     options.plugin_paths = plugin_paths_from(arguments);
     status = check_command(options);
   });

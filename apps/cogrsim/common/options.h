@@ -32,6 +32,7 @@ struct SceneOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> duration;  ///< [s]
   std::vector<std::string> plugin_paths;
+  std::vector<std::string> without;  ///< see SimulationOptions
 };
 
 struct RunOptions {
@@ -84,7 +85,7 @@ struct CheckOptions {
   std::map<std::string, std::string> set;
   std::string backend;
   std::string format = "text";
-  std::vector<std::string> plugin_paths;
+  std::vector<std::string> plugin_paths, without;
 };
 
 struct PluginsOptions {

@@ -64,6 +64,7 @@ std::string provenance_lines(const Provenance& p) {
   if (const std::string options = options_text(p); !options.empty()) {
     out += wrapped("  options   ", options);
   }
+  if (!p.left_out.empty()) out += wrapped("  left out  ", one_line(to_text(p.left_out)));
   return out;
 }
 
@@ -89,6 +90,8 @@ std::vector<std::vector<std::string>> provenance_rows(const std::vector<Provenan
     });
   }
   row("options", [](P p) { return options_text(p); });
+  if (std::any_of(runs.begin(), runs.end(), [](P p) { return !p.left_out.empty(); }))
+    row("left out", [](P p) { return p.left_out.empty() ? "nothing" : to_text(p.left_out); });
   return out;
 }
 

@@ -9,8 +9,8 @@
 
 namespace cogrsim::cli {
 
-/// Three or fewer lines under a run: the engine with its solver, formulation and integrator; the
-/// stages that CogRSim computes where the engine computes others; the options in force.
+/// Four or fewer lines under a run: the engine with its solver, formulation and integrator; the
+/// stages that CogRSim computes where the engine computes others; the options in force; what was left out.
 std::string provenance_lines(const Provenance& provenance);
 
 /// One row for a quantity, one column for a run: engine, solver, …, all stages, options. The first

@@ -102,6 +102,7 @@ bool run_all(const CompareCommandOptions& options, const LoadedScene& scene,
   lockstep.backends = report.backends;
   lockstep.duration = report.duration;
   lockstep.seed = options.scene.seed;
+  lockstep.without = options.scene.without;
   lockstep.compare.position_threshold = options.position_threshold;
   lockstep.compare.angle_threshold = options.angle_threshold;
   lockstep.compare.curve_points = curve_points(*scene.model);

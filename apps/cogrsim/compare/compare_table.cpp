@@ -76,8 +76,10 @@ std::vector<std::string> about(const CompareReport& report) {
   for (std::size_t i = 0; i < engines; ++i) {
     const RunEnd& run = result.runs[i];
     const std::string options = options_text(run.provenance);
-    out.push_back(fmt::format("{}: {}{}{}", run.label, summary_text(run.provenance),
-                              options.empty() ? "" : ", ", options));
+    const std::string left_out = to_text(run.provenance.left_out);
+    out.push_back(fmt::format("{}: {}{}{}{}{}", run.label, summary_text(run.provenance),
+                              options.empty() ? "" : ", ", options,
+                              left_out.empty() ? "" : ", without ", left_out));
   }
   out.push_back("reference: " + result.runs[0].label);
   out.push_back("diverged: more than " + thresholds_text(result.comparison.options));

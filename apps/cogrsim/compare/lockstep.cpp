@@ -61,6 +61,7 @@ tl::expected<std::vector<Lane>, std::vector<Diagnostic>> create_lanes(
     settings.backend = backend;
     settings.step = options.step;
     settings.seed = options.seed;
+    settings.without = options.without;
     auto created = Simulation::create(scene, settings, loader);
     if (!created) {
       for (Diagnostic diagnostic : created.error()) {

@@ -19,6 +19,7 @@ struct LockstepOptions {
   double step = 0.0;                  ///< [s]; 0: the scene's
   double duration = 10.0;             ///< [s]
   std::optional<std::uint64_t> seed;
+  std::vector<std::string> without;  ///< see SimulationOptions
   double shake = 0.0;            ///< of the start, see shake(); 0: none [m, rad]
   std::uint64_t shake_seed = 0;  ///< of that
   /// One more run, the last: the reference's backend once more, its start shaken by this beyond

@@ -20,10 +20,6 @@
 #include "cogrsim/dsl/compiler.h"
 #include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/geometry/overlap.h"
-#include "cogrsim/model/builder.h"
-#include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/backend.h"
-#include "cogrsim/physics/capabilities.h"
 #include "cogrsim/simulation/simulation.h"
 #include "common/arguments.h"
 #include "common/options.h"
@@ -43,7 +39,6 @@ namespace {
 struct ImportCommandOptions {
   std::string file, output, report;
   bool strict = false;
-  std::vector<std::string> engines;  ///< that shall run the scene
   dsl::ImportOptions import;
 };
 
@@ -58,50 +53,6 @@ std::vector<std::string> reasons_against(const std::string& engine, const SceneM
   if (const auto simulation = Simulation::create(model, options, loader); !simulation)
     for (const Diagnostic& d : simulation.error())
       if (d.severity == Severity::error) out.push_back(d.message);
-  return out;
-}
-
-/// Whether an engine runs a ball on this joint without its limits, and not with them.
-bool refuses_limits(const std::string& engine, Joint joint, const Loader& loader) {
-  const auto runs = [&] {
-    ModelBuilder builder;
-    const int ball = builder.sphere("ball", 1.0, 1.0, joint_pose(joint, joint.position.data()));
-    Joint& made = builder.model.joints[builder.joint(joint.name, joint.type, kWorld, ball, Pose())];
-    made.X_CM = Pose();
-    made.pitch = joint.pitch;
-    made.axes = joint.axes;
-    made.position = joint.position;
-    return reasons_against(engine, builder.build(), loader).empty();
-  };
-  if (runs()) return false;
-  joint.axes = {JointAxis()};
-  return runs();
-}
-
-/// What the scene does without, so that all these engines run it. Errors: one of them is not there.
-Result<dsl::ImportWithout> lacking(const Loader& loader, const std::vector<std::string>& engines) {
-  dsl::ImportWithout out;
-  for (const std::string& engine : engines) {
-    const auto backend = loader->backend(engine);
-    if (!backend) return tl::unexpected(backend.error());
-    const Capabilities has = (*backend)->capabilities();
-    const auto lacks = [&](const std::string& feature) {
-      return has.get(feature).support == Support::unsupported;
-    };
-    if (lacks("joint.rotor-inertia.hinge") || lacks("joint.rotor-inertia.slider"))
-      out.rotor_inertia = fmt::format("'{}' does not support it", engine);
-    if (lacks("joint.coupling")) out.couplings = fmt::format("'{}' does not support it", engine);
-    if (lacks(pair_feature(ShapeType::convex_mesh, ShapeType::mesh)) ||
-        lacks(pair_feature(ShapeType::box, ShapeType::mesh)))
-      out.concave_meshes = fmt::format("'{}' does not collide others with meshes", engine);
-  }
-  if (!engines.empty())
-    out.limits = [loader, engines](const Joint& joint) {
-      for (const std::string& engine : engines)
-        if (refuses_limits(engine, joint, loader))
-          return fmt::format("'{}' does not support them", engine);
-      return std::string();
-    };
   return out;
 }
 
@@ -149,11 +100,14 @@ void print_engines(const SceneModelPtr& model, const Loader& loader) {
   double seconds = 2.0;
   for (const MeshPtr& mesh : model->meshes)
     seconds += 1e-5 * static_cast<double>(mesh->triangles.size());
+  bool all = true;
   for (const std::string& name : installed_backends(loader)) {
     std::string verdict = tried(name, model, loader, seconds);
     if (verdict.empty()) verdict = "was not tried to the end, which takes long: cogrsim run does";
+    all = all && verdict == "runs it";
     std::fputs(fmt::format("  {:<10}{}\n", one_line(name), one_line(verdict)).c_str(), stderr);
   }
+  if (!all) std::fputs("  --without lacking leaves out of a run what its engine lacks\n", stderr);
 }
 
 /// Links of one robot that start inside each other, as convex hulls often do, would be thrown apart:
@@ -213,9 +167,6 @@ int import_command(const ImportCommandOptions& options) {
                            fault)
           .string();
   const auto loader = std::make_shared<PluginLoader>();
-  auto without = lacking(loader, options.engines);
-  if (!without) return refuse(without.error());
-  import.without = std::move(*without);
   dsl::LoaderCatalog catalog(loader);
   import.plugins = &catalog;
   StatusLine progress;
@@ -309,12 +260,6 @@ void add_import(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"none", "position", "torque", "velocity"}))
       ->type_name("none|position|torque|velocity");
   command
-      .add_option("--engines", o.engines,
-                  "Engines that must be able to run the scene: rotor inertias, couplings, concave meshes and "
-                  "limits of joints that one of them does not support are left out, and reported")
-      ->delimiter(',')
-      ->type_name("LIST");
-  command
       .add_option("--keyframe", o.import.keyframe,
                   "Keyframe of an MJCF in which the robot starts; default: at its zero")
       ->type_name("NAME");
@@ -338,7 +283,6 @@ void add_import(CLI::App& app, int& status) {
       "  cogrsim import arm.urdf.xacro -o arm.scene.xml --package "
       "arm_description=../arm_description\n"
       "  cogrsim import humanoid.xml -o humanoid.scene.xml --report humanoid.html\n"
-      "  cogrsim import dog.xml -o dog.scene.xml --engines cogrsim,bullet,mujoco\n"
       "  cogrsim import gripper.urdf -o gripper.scene.xml --convex-parts 8\n"
       "Then: cogrsim run robot.scene.xml, or cogrsim studio robot.scene.xml.\n"
       "Exit status 0 imported, 1 not imported, 2 wrong usage.");

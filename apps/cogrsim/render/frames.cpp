@@ -92,10 +92,11 @@ std::unique_ptr<FrameSource> FrameSource::open(const FrameSourceOptions& options
   catch_interrupts();
   if (is_recording(source.scene)) {
     const bool meant_for_scenes = !options.backend.empty() || options.step > 0.0 || source.seed ||
-                                  !source.set.empty() || source.duration;
+                                  !source.set.empty() || source.duration || !source.without.empty();
     if (meant_for_scenes) {
       print_error(
-          "--backend, --step, --seed, --set and --duration are for scenes; a recording has its own"
+          "--backend, --step, --seed, --set, --duration and --without are for scenes; a recording "
+          "has its own"
           "\nhelp: leave them out, or name the scene instead of the recording");
       status = kWrongUsage;
       return nullptr;
@@ -120,6 +121,7 @@ std::unique_ptr<FrameSource> FrameSource::open(const FrameSourceOptions& options
   settings.backend = options.backend;
   settings.step = options.step;
   settings.seed = source.seed;
+  settings.without = source.without;
   auto simulation = Simulation::create(scene.model, settings, scene.loader);
   if (!simulation) {
     print_diagnostics(simulation.error());

@@ -19,7 +19,7 @@ using Problem = cogrsim::Error;
 // Arguments as they were typed.
 struct PictureArguments {
   std::string scene, backend, step, seed, at, every, speed, output, area, size;
-  std::vector<std::string> set, plugin_paths, trails, overlays;
+  std::vector<std::string> set, without, plugin_paths, trails, overlays;
   std::string camera, view;
   int width = 900;
   bool no_names = false, no_rays = false, depth = false, segmentation = false, no_shadows = false;
@@ -47,6 +47,7 @@ FrameSourceOptions source_from(const PictureArguments& arguments) {
   options.source.scene = arguments.scene;
   options.source.plugin_paths = arguments.plugin_paths;
   options.source.set = settings_from(arguments.set);
+  options.source.without = without_from(arguments.without);
   if (!arguments.seed.empty()) options.source.seed = seed_from(arguments.seed);
   options.backend = arguments.backend;
   if (!arguments.step.empty()) options.step = step_from(arguments.step);
@@ -110,6 +111,7 @@ void add_common(CLI::App& command, PictureArguments& arguments) {
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_without(command, arguments.without);
   command
       .add_option("--plugin-path", arguments.plugin_paths,
                   "Folder in which plugins are looked for first; may be repeated")

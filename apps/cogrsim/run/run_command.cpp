@@ -160,6 +160,7 @@ class SceneRun {
     settings.step = options_.step;
     settings.seed = options_.scene.seed;
     settings.speed = options_.speed;
+    settings.without = options_.scene.without;
     for (const RunOptions::Save& save : options_.saves) {
       if (const auto writable = check_writable(save.file, OutputKind::snapshot); !writable) {
         print_error(writable.error().text());

@@ -57,6 +57,7 @@ Json run(const Json& input) {
   settings.backend = input["backend"].get<std::string>();
   settings.seed = options.seed;
   settings.step = input["step"].get<double>();
+  settings.without = input["without"].get<std::vector<std::string>>();
   auto created = Simulation::create(scene.model, settings, scene.loader);
   if (!created) return failed_result("failed", refusal_text(created.error()));
   Simulation& simulation = **created;

@@ -187,6 +187,7 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
   std::string text = fmt::format("{}: {} of {} runs done, {} good, {} not; {} runs took {}\n",
                                  one_line(plan.scene_name), done, plan.cases.size(), counts.good,
                                  counts.failed, added, elapsed_text(seconds_since(start)));
+  text += table->left_out_text();
   text +=
       fmt::format("  {0}/{1}\n  {0}/{2}\n", one_line(plan.options.output), kTableName, kCsvName);
   if (const auto printed = print_output(text); !printed) return refuse(printed.error());

@@ -20,7 +20,7 @@ using Problem = cogrsim::Error;
 
 struct SweepArguments {
   std::string scene, seeds, until, step, timeout, memory;
-  std::vector<std::string> vary, set, measures, backends, plugin_paths;
+  std::vector<std::string> vary, set, measures, backends, plugin_paths, without;
   SweepOptions options;
 };
 
@@ -150,6 +150,7 @@ void take_arguments(const SweepArguments& arguments, SweepOptions& options) {
 std::optional<SweepOptions> options_from(const SweepArguments& arguments) {
   SweepOptions options = arguments.options;
   options.scene.plugin_paths = arguments.plugin_paths;
+  options.scene.without = without_from(arguments.without);
   if (dsl::is_study(arguments.scene)) {
     if (!take_study(arguments, options)) return std::nullopt;
   } else {
@@ -191,6 +192,7 @@ void add_sweep(CLI::App& app, int& status) {
            "NAME=SIGNAL[@TAKE]");
   add_list(command, "--set", arguments->set,
            "A <param> that is the same in all runs; may be repeated", "NAME=VALUE");
+  add_without(command, arguments->without);
   command
       .add_option("--until", arguments->until, "End of each run; default: the scene's, else 10 s")
       ->type_name("T");

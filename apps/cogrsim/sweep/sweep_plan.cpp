@@ -112,6 +112,7 @@ Json SweepPlan::input(const SweepCase& one) const {
               {"until", nullptr},
               {"measures", measures},
               {"plugin_paths", options.scene.plugin_paths},
+              {"without", options.scene.without},
               {"memory_limit", options.memory_limit}};
   if (options.scene.duration) out["until"] = *options.scene.duration;
   return out;
@@ -131,6 +132,7 @@ Json SweepPlan::definition() const {
               {"set", set},          {"step", options.step},          {"until", nullptr},
               {"measures", measures}};
   if (options.scene.duration) out["until"] = *options.scene.duration;
+  if (!options.scene.without.empty()) out["without"] = options.scene.without;
   return out;
 }
 
@@ -147,10 +149,10 @@ std::vector<std::string> definition_differences(const Json& then, const Json& no
     out.push_back(fmt::format("the parameters varied were {}, now they are {}",
                               list_of(then["parameters"]), list_of(now["parameters"])));
   }
-  for (const char* key : {"set", "step", "until", "measures"}) {
-    if (then[key] != now[key]) {
-      out.push_back(fmt::format("{} was {}, now it is {}", key, text(then[key]), text(now[key])));
-    }
+  for (const char* key : {"set", "step", "until", "measures", "without"}) {
+    const Json before = then.value(key, Json()), after = now.value(key, Json());
+    if (before != after)
+      out.push_back(fmt::format("{} was {}, now it is {}", key, text(before), text(after)));
   }
   return out;
 }
@@ -185,7 +187,9 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
   plan.scene_hash = hash_of_scene(*scene.model);
   if (options.seeds.empty()) options.seeds = {scene.model->physics.seed};
   if (options.backends.empty()) {
-    auto simulation = Simulation::create(scene.model, {}, scene.loader);
+    SimulationOptions asked;
+    asked.without = options.scene.without;
+    auto simulation = Simulation::create(scene.model, asked, scene.loader);
     if (!simulation) {
       print_diagnostics(simulation.error());
       return std::nullopt;

@@ -156,10 +156,12 @@ Result<> SweepTable::prepare(const SweepPlan& plan) {
   if (!tables) return fail(fmt::format("'{}': {}", path_, tables.error()));
   if (auto good = execute("CREATE TABLE IF NOT EXISTS provenance (backend TEXT PRIMARY KEY, "
                           "engine TEXT, version TEXT, solver TEXT, formulation TEXT, integrator "
-                          "TEXT, cogrsim_version TEXT, options TEXT, stages TEXT)");
+                          "TEXT, cogrsim_version TEXT, options TEXT, stages TEXT, left_out TEXT)");
       !good) {
     return good;
   }
+  if (!Statement(db_, "SELECT left_out FROM provenance"))  // an older table
+    if (auto good = execute("ALTER TABLE provenance ADD COLUMN left_out TEXT"); !good) return good;
   return tables.row() ? read_existing(plan) : create(plan);
 }
 
@@ -301,7 +303,7 @@ Result<> SweepTable::add_measure_column(const std::string& name, const std::stri
 }
 
 Result<> SweepTable::add_provenance(const SweepCase& one, const Json& provenance) {
-  Statement insert(db_, "INSERT OR REPLACE INTO provenance VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert(db_, "INSERT OR REPLACE INTO provenance VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return fail(fmt::format("'{}': {}", path_, insert.error()));
   const auto text = [&](const char* key) { return provenance.at(key).get<std::string>(); };
   int i = 0;
@@ -312,6 +314,8 @@ Result<> SweepTable::add_provenance(const SweepCase& one, const Json& provenance
   }
   insert.bind(++i, provenance.at("options").dump());
   insert.bind(++i, provenance.at("stages").dump());
+  const auto read = parse_provenance(provenance.dump());
+  insert.bind(++i, read ? to_text(read->left_out) : std::string());
   insert.row();
   if (!insert.done()) return fail(fmt::format("'{}': {}", path_, insert.error()));
   return {};
@@ -377,6 +381,14 @@ Result<> SweepTable::add(const SweepPlan& plan, const SweepCase& one, const Json
   if (auto good = execute("COMMIT"); !good) return undo(good.error());
   done_.insert(plan.key(one));
   return {};
+}
+
+std::string SweepTable::left_out_text() const {
+  std::string out;
+  Statement rows(db_, "SELECT backend, left_out FROM provenance WHERE left_out <> '' ORDER BY 1");
+  while (rows && rows.row())
+    out += fmt::format("  {} without {}\n", one_line(rows.text(0)), one_line(rows.text(1)));
+  return out;
 }
 
 SweepTable::Counts SweepTable::counts() const {

@@ -41,6 +41,8 @@ class SweepTable {
     int good = 0, failed = 0;
   };
   Counts counts() const;
+  /// What each backend left out of its runs, a line each; empty: nothing.
+  std::string left_out_text() const;
 
   /// results.csv: sorted by parameters, seed and backend; wall times in the last column.
   Result<> write_csv() const;
@@ -50,7 +52,7 @@ class SweepTable {
   Result<> prepare(const SweepPlan& plan);
   Result<> read_existing(const SweepPlan& plan);
   Result<> create(const SweepPlan& plan);
-  /// The provenance of the runs of a backend; options and stages as JSON.
+  /// The provenance of the runs of a backend; options and stages as JSON, what was left out as text.
   Result<> add_provenance(const SweepCase& one, const Json& provenance);
   Result<> add_measure_column(const std::string& name, const std::string& unit);
   Result<> execute(const std::string& sql);

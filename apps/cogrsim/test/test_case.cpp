@@ -35,6 +35,7 @@ tl::expected<Runs, std::string> create(const LoadedScene& scene, const Json& inp
     SimulationOptions options;
     options.backend = backend.get<std::string>();
     if (!input["seed"].is_null()) options.seed = input["seed"].get<std::uint64_t>();
+    options.without = input["without"].get<std::vector<std::string>>();
     auto made = Simulation::create(scene.model, options, scene.loader);
     if (!made) return tl::unexpected(findings(made.error()));
     runs.push_back(std::move(*made));
@@ -192,6 +193,9 @@ Json run_case(const Json& input) {
   }
   out["status"] = passed ? "passed" : "failed";
   out["errors"] = errors_of(*runs);
+  for (std::size_t i = 0; i < runs->size(); ++i)
+    if (const Provenance& p = (*runs)[i]->provenance(); !p.left_out.empty())
+      out["left_out"][input["backends"][i].get<std::string>()] = to_text(p.left_out);
   out["simulated"] = first.time();
   if (!passed) {
     std::string problem;

@@ -13,10 +13,11 @@ Json no_result(const std::string& message);
 
 /// The hidden subcommand: runs a case_input() and writes its result, always, unless it crashes.
 ///
-/// Input: scene, set {}, plugin_paths [], test (its number in the scene), backends [], seed (null:
+/// Input: scene, set {}, plugin_paths [], without [], test (its number in the scene), backends [], seed (null:
 /// the scene's), overwrite, recording (path without ending; "" for none).
 /// Result: status "passed", "failed" or "error"; message; verdicts [{expectation, passed, message,
-/// time, file, line, column, columns, samples, text}]; recordings []; simulated [s].
+/// time, file, line, column, columns, samples, text}]; left_out {backend: text}, if there is
+/// any; recordings []; simulated [s].
 int test_case_command();
 
 }  // namespace cogrsim::cli

@@ -148,7 +148,7 @@ void show(const TestCase& one, const TestCommandOptions& options, const Style& s
   std::string text = fmt::format("{}{}{}  {}: {}  {}\n", good ? style.green : style.red,
                                  good ? "ok  " : "FAIL", style.off, one_line(one.scene),
                                  one_line(one.title()), elapsed_text(one.wall_time));
-  text += printable(errors_text(one) + failure_text(one, options));
+  text += printable(left_out_text(one) + errors_text(one) + failure_text(one, options));
   static_cast<void>(print_output(text));
 }
 
@@ -255,7 +255,7 @@ int test_command(const TestCommandOptions& options) {
 
 void add_test(CLI::App& app, int& status) {
   struct Arguments {
-    std::vector<std::string> scenes, backends, set, plugin_paths;
+    std::vector<std::string> scenes, backends, set, plugin_paths, without;
     std::string seeds, filter, junit, format = "text", out, timeout;
     int jobs = 0;
   };
@@ -289,6 +289,7 @@ void add_test(CLI::App& app, int& status) {
       ->type_name("T");
   add_list(command, "--set", arguments->set, "Value of a <param> of the scenes; may be repeated",
            "NAME=VALUE");
+  add_without(command, arguments->without);
   add_list(command, "--plugin-path", arguments->plugin_paths,
            "Folder in which plugins and backends are looked for first; may be repeated", "DIR");
   command.footer(
@@ -320,6 +321,7 @@ void add_test(CLI::App& app, int& status) {
     }
     options.set = settings_from(arguments->set);
     options.plugin_paths = arguments->plugin_paths;
+    options.without = without_from(arguments->without);
     options.filter = arguments->filter;
     options.junit = arguments->junit;
     options.format = arguments->format;

@@ -25,7 +25,7 @@ struct TestCommandOptions {
   std::vector<std::string> backends;
   std::vector<std::uint64_t> seeds;
   std::map<std::string, std::string> set;
-  std::vector<std::string> plugin_paths;
+  std::vector<std::string> plugin_paths, without;
   std::string filter;  ///< part of a test's name
   std::string junit;   ///< file
   std::string format = "text";
@@ -53,6 +53,8 @@ struct TestCase {
 
 // ---- test_report.cpp
 
+/// What its engines left out, a line each.
+std::string left_out_text(const TestCase& one);
 /// Faults of a case's run, a line each; also those that the test does not check.
 std::string errors_text(const TestCase& one);
 /// The failure and the command that repeats it; empty for a case that passed.

@@ -72,6 +72,7 @@ Result<> run_cases(std::vector<TestCase>& cases, const TestCommandOptions& optio
           {"scene", one.scene},
           {"set", options.set},
           {"plugin_paths", options.plugin_paths},
+          {"without", options.without},
           {"test", one.index},
           {"backends", one.backends},
           {"seed", one.seed ? Json(*one.seed) : Json(nullptr)},

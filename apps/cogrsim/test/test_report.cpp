@@ -32,6 +32,8 @@ std::string again(const TestCase& one, const TestCommandOptions& options) {
       fmt::format("cogrsim test {} --filter {} --backends {} --seeds {}", shell_quoted(one.scene),
                   shell_quoted(one.test), shell_quoted(backends), one.seed_used);
   for (const auto& [name, value] : options.set) out += " --set " + shell_quoted(name + "=" + value);
+  if (!options.without.empty())
+    out += " --without " + shell_quoted(fmt::format("{}", fmt::join(options.without, ",")));
   if (options.timeout > 0.0) out += fmt::format(" --timeout {}s", options.timeout);
   for (const std::string& path : options.plugin_paths) {
     out += " --plugin-path " + shell_quoted(path);
@@ -66,6 +68,14 @@ std::string TestCase::title() const {
   std::string where;
   for (const std::string& backend : backends) where += (where.empty() ? "" : "+") + backend;
   return fmt::format("{} [{}, seed {}]", test, where, seed_used);
+}
+
+std::string left_out_text(const TestCase& one) {
+  std::string out;
+  if (one.result.contains("left_out"))
+    for (const auto& [backend, text] : one.result["left_out"].items())
+      out += indented(fmt::format("{} without {}", backend, text.get<std::string>()));
+  return out;
 }
 
 std::string errors_text(const TestCase& one) {
@@ -116,8 +126,10 @@ std::string junit_text(const std::vector<TestCase>& cases) {
     ++suite.tests;
     suite.time += one.wall_time;
     const std::string errors = errors_text(one);
+    const std::string left_out = left_out_text(one);
     const std::string output =
-        errors.empty() ? "" : "      <system-err>" + escaped(errors) + "</system-err>\n";
+        (left_out.empty() ? "" : "      <system-out>" + escaped(left_out) + "</system-out>\n") +
+        (errors.empty() ? "" : "      <system-err>" + escaped(errors) + "</system-err>\n");
     if (one.passed()) {
       suite.body += output.empty() ? "/>\n" : ">\n" + output + "    </testcase>\n";
       continue;

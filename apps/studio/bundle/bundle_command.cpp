@@ -128,6 +128,7 @@ Gathered run_scene(const BundleOptions& options, const std::string& output) {
   settings.backend = options.source.backend;
   settings.step = options.source.step;
   settings.seed = source.seed;
+  settings.without = source.without;
   auto created = Simulation::create(model, settings, loader);
   if (!created) {
     cli::print_problems(created.error());

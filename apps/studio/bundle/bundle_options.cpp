@@ -16,7 +16,7 @@ using Problem = cogrsim::Error;
 
 struct BundleArguments {
   std::string step, seed, duration, every;
-  std::vector<std::string> set;
+  std::vector<std::string> set, without;
   BundleOptions options;
 };
 
@@ -24,6 +24,7 @@ BundleOptions options_from(const BundleArguments& arguments) {
   BundleOptions options = arguments.options;
   cli::SceneOptions& source = options.source.source;
   source.set = cli::settings_from(arguments.set);
+  source.without = cli::without_from(arguments.without);
   if (!arguments.step.empty()) options.source.step = cli::step_from(arguments.step);
   if (!arguments.seed.empty()) source.seed = cli::seed_from(arguments.seed);
   if (!arguments.duration.empty()) {
@@ -37,10 +38,11 @@ BundleOptions options_from(const BundleArguments& arguments) {
   }
   if (cli::is_recording(source.scene)) {
     const char* argument = !options.source.backend.empty() ? "--backend"
-                       : options.source.step > 0.0     ? "--step"
-                       : source.seed                   ? "--seed"
-                       : !arguments.set.empty()            ? "--set"
-                                                       : nullptr;
+                           : options.source.step > 0.0     ? "--step"
+                           : source.seed                   ? "--seed"
+                           : !arguments.set.empty()        ? "--set"
+                           : !source.without.empty()       ? "--without"
+                                                           : nullptr;
     if (argument) {
       throw cli::UsageError(argument, Problem("a recording is bundled as it was made", "",
                                           "leave it out, or bundle the scene"));
@@ -97,6 +99,7 @@ void add_bundle(CLI::App& app, int& status) {
   cli::add_list(command, "--set", arguments->set,
                 "Value of a <param> of the scene, in the scene's own notation; may be repeated",
                 "NAME=VALUE");
+  cli::add_without(command, arguments->without);
   cli::add_list(command, "--plugin-path", options.source.source.plugin_paths,
                 "Folder in which plugins and backends are looked for first; may be repeated",
                 "DIR");

@@ -69,6 +69,7 @@ SimulationOptions Engine::simulation_options() const {
   options.step = dt_.value_or(0.0);
   options.seed = options_.seed;
   options.isolation = options_.isolation;
+  options.without = options_.without;
   return options;
 }
 

@@ -48,6 +48,7 @@ struct RunOptions {
   /// is dropped [byte].
   std::size_t history_bytes = 512u << 20;
   Isolation isolation = Isolation::process;  ///< of controllers without the attribute
+  std::vector<std::string> without;          ///< see SimulationOptions
 };
 
 /// The part that answers everything in PROTOCOL.md under "The run" and "Numbers and pictures".

@@ -88,7 +88,6 @@ ImportResult import_model(const std::string& path, const ImportOptions& options)
     // What follows compares all with all: a few times in some nanoseconds.
     const std::size_t parts = robot.links.size() + robot.joints.size() + robot.loops.size();
     context.spend(2 * parts * (parts + robot.no_contact.size()), root->at);
-    leave_out_features(context, robot);
     leave_out_engines(context, robot);
     square_axes(context, robot);
     repair_inertias(context, robot);

@@ -456,48 +456,6 @@ void RobotModel::take_step(Context& context, double seconds, const Source& at) {
     context.left_out(at, "step", fmt::format("{} s is none, which is from 1e-9 to 1 s", seconds));
 }
 
-namespace {
-
-void leave_out_limits(Context& context, RobotJoint& j) {
-  const double none = std::numeric_limits<double>::infinity();
-  if (!j.has_one_axis() || (j.lower == -none && j.upper == none) || j.lower >= j.upper) return;
-  Joint asked;
-  asked.name = j.name;
-  asked.type = j.type == RobotJoint::Type::hinge    ? JointType::hinge
-               : j.type == RobotJoint::Type::slider ? JointType::slider
-                                                    : JointType::screw;
-  asked.pitch = j.pitch;
-  asked.axes.resize(1);
-  asked.axes[0].lower = j.lower;
-  asked.axes[0].upper = j.upper;
-  asked.position = {std::clamp(j.position, j.lower, j.upper)};
-  const std::string reason = context.options.without.limits(asked);
-  if (reason.empty()) return;
-  context.left_out(j.at, fmt::format("limits of joint '{}'", j.name),
-                   fmt::format("{:.6g} to {:.6g} {}: {}", j.lower, j.upper,
-                               j.type == RobotJoint::Type::slider ? "m" : "rad", reason));
-  j.lower = -none;
-  j.upper = none;
-}
-
-}  // namespace
-
-void leave_out_features(Context& context, RobotModel& robot) {
-  const ImportWithout& without = context.options.without;
-  for (RobotJoint& j : robot.joints) {
-    if (without.limits) leave_out_limits(context, j);
-    if (!without.rotor_inertia.empty() && j.rotor_inertia != 0.0) {
-      context.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
-                       without.rotor_inertia);
-      j.rotor_inertia = 0.0;
-    }
-    if (!without.couplings.empty() && j.coupling) {
-      context.left_out(j.at, fmt::format("coupling of joint '{}'", j.name), without.couplings);
-      j.coupling.reset();
-    }
-  }
-}
-
 void square_axes(Context& context, RobotModel& robot) {
   for (std::vector<RobotJoint>* const list : {&robot.joints, &robot.loops})
     for (RobotJoint& j : *list) {

@@ -269,9 +269,6 @@ void repair_inertias(Context& context, RobotModel& robot);
 std::optional<MassProperties> solid_mass(const Geometry& g, std::optional<double> mass,
                                          double density);
 
-/// Takes away what ImportOptions::without names, and reports it.
-void leave_out_features(Context& context, RobotModel& robot);
-
 /// Makes the axes of universal joints perpendicular, as the scene language has them.
 void square_axes(Context& context, RobotModel& robot);
 

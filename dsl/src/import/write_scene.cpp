@@ -325,15 +325,13 @@ class SceneWriter {
     const std::string file = mesh_file(l, s, X);
     if (file.empty()) return {};
     std::string attributes = mesh_attributes(s, file);
-    const std::string& reason = context_.options.without.concave_meshes;
     // MuJoCo's meshes collide as their hulls, also of static bodies.
     const bool is_hull = s.collides && context_.result.format == "MJCF";
-    const bool convex = !l.is_static || is_hull || (s.collides && !reason.empty());
+    const bool convex = !l.is_static || is_hull;
     if (convex) attributes += " convex=\"true\"";
     if (s.collides && convex && !is_hull)
-      context_.approximate(
-          s.at, fmt::format("collision mesh of '{}'", l.name),
-          l.is_static ? "collides as its convex hull: " + reason : "collides as its convex hull");
+      context_.approximate(s.at, fmt::format("collision mesh of '{}'", l.name),
+                           "collides as its convex hull");
     return {"mesh", attributes};
   }
 

@@ -142,9 +142,8 @@ std::vector<CodeInfo> scene_codes() {
       {"CG0801", error, "something the backend cannot do",
        "The scene needs a shape, joint, motor or other feature that the chosen engine lacks. "
        "CogRSim never ignores such an element silently, so the scene does not run on that engine.",
-       "Choose another backend with --backend, or replace the element. `cogrsim plugins` shows "
-       "what "
-       "each engine can do.",
+       "Choose another backend with --backend, replace the element, or leave it out of a run with "
+       "--without. `cogrsim plugins` shows what each engine can do.",
        ""},
       // ---- CG09: plugins
       {"CG0901", error, "a plugin that is not found",

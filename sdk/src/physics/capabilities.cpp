@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/physics/leave_out.h"
+
 namespace cogrsim {
 namespace {
 
@@ -84,6 +86,8 @@ Diagnostic* Check::need(const std::string& feature, const std::string& what,
   if (!found.note.empty()) d.notes.emplace_back(found.note);
   d.locate(source_position(model_, origin));
   if (lacking) d.help = help;
+  if (lacking && can_leave_out(feature))
+    d.help += fmt::format("; --without {} leaves it out of a run", feature);
   out_.push_back(std::move(d));
   return &out_.back();
 }

@@ -162,6 +162,9 @@ std::string to_json_text(const Provenance& provenance) {
   for (const auto& [name, options] : provenance.assembly_options) {
     out["assembly_options"][name] = options_json(options);
   }
+  out["left_out"] = Json::array();
+  for (const LeftOut& one : provenance.left_out)
+    out["left_out"].push_back({{"feature", one.feature}, {"of", one.of}, {"count", one.count}});
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -187,6 +190,8 @@ Result<Provenance> parse_provenance(const std::string& text) {
     for (const auto& [name, options] : json.at("assembly_options").items()) {
       out.assembly_options[name] = options_from(options);
     }
+    for (const Json& one : json.value("left_out", Json::array()))  // not in older recordings
+      out.left_out.push_back({one.at("feature"), one.at("of"), one.at("count")});
     return out;
   } catch (const Json::exception& e) {
     return fail(fmt::format("not a provenance: {}", e.what()));

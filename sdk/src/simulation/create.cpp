@@ -82,7 +82,7 @@ Simulation::Impl::Impl(std::shared_ptr<PluginLoader> plugins,
                        std::shared_ptr<const Backend> backend, Provenance provenance,
                        const SceneModelPtr& scene, const SimulationOptions& options)
     : loader(std::move(plugins)),
-      host(std::move(backend), std::move(provenance), scene),
+      host(std::move(backend), std::move(provenance), scene, options.without),
       devices(*loader, host, clock),
       events(clock, log,
              [this](const Event& event) {
@@ -120,8 +120,11 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   }
   // The loader has already parsed the name, so it is valid.
   const BackendChoice choice = *parse_backend_choice(name);
+  if (auto known = check_without(options.without); !known) return refuse(known.error(), "CG0904");
   auto settled = settled_model(*scene, options, choice, **backend, *loader);
   if (!settled) return Failure(settled.error());
+  std::vector<LeftOut> left_out_of_it;
+  *settled = leave_out(*settled, (*backend)->capabilities(), options.without, &left_out_of_it);
   auto provenance = provenance_of(**backend, **settled);
   if (!provenance) {
     Error error = provenance.error();
@@ -129,6 +132,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
                                 name, error.message);
     return Failure(std::vector<Diagnostic>{to_diagnostic(error, "CG0901")});
   }
+  provenance->left_out = std::move(left_out_of_it);
   auto impl = std::make_unique<Impl>(std::move(loader), *backend, std::move(*provenance), *settled,
                                      options);
 

@@ -108,6 +108,7 @@ Result<> SceneActions::add(const AddAssembly& action, const std::string& subject
   }
   auto next = with_added(model(), *action.fragment, action.name, action.pose);
   if (!next) return tl::unexpected(next.error());
+  next = host_.reduced(std::move(*next));
   if (auto good = check_supported(**next); !good) return good;
   if (!action.fragment->controllers.empty()) {
     auto named = std::make_shared<SceneModel>(**next);

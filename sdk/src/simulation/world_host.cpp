@@ -9,10 +9,11 @@
 namespace cogrsim {
 
 WorldHost::WorldHost(std::shared_ptr<const Backend> backend, Provenance provenance,
-                     SceneModelPtr scene)
+                     SceneModelPtr scene, std::vector<std::string> without)
     : backend_(std::move(backend)),
       provenance_(std::move(provenance)),
-      original_(with_drawn_values(scene)),
+      without_(std::move(without)),
+      original_(reduced(with_drawn_values(scene))),
       model_(original_) {
   if (original_ != scene) undrawn_ = std::move(scene);
 }
@@ -36,7 +37,7 @@ Result<> WorldHost::restart(std::optional<std::uint64_t> seed) {
       undrawn = reseeded;
       rebuild = true;  // with other values
     }
-    original = with_drawn_values(std::move(reseeded));
+    original = reduced(with_drawn_values(std::move(reseeded)));
   }
   if (rebuild) {
     auto fresh = backend_->create_world(original);

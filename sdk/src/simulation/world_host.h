@@ -29,13 +29,19 @@ class WorldHost {
   };
 
   /// `scene` has the seed and the step of the run.
-  WorldHost(std::shared_ptr<const Backend> backend, Provenance provenance, SceneModelPtr scene);
+  /// `without`: what is left out of it, see leave_out().
+  WorldHost(std::shared_ptr<const Backend> backend, Provenance provenance, SceneModelPtr scene,
+            std::vector<std::string> without);
 
   const Backend& backend() const { return *backend_; }
   const Provenance& provenance() const { return provenance_; }
   const SceneModelPtr& model() const { return model_; }        ///< the current scene
   const SceneModelPtr& original() const { return original_; }  ///< the initial scene
   std::uint64_t seed() const { return original_->physics.seed; }
+  /// The scene without what this run leaves out.
+  SceneModelPtr reduced(SceneModelPtr scene) const {
+    return leave_out(std::move(scene), backend_->capabilities(), without_);
+  }
 
   /// Creates the world of the scene.
   Result<> create();
@@ -72,6 +78,7 @@ class WorldHost {
  private:
   std::shared_ptr<const Backend> backend_;
   Provenance provenance_;
+  std::vector<std::string> without_;
   std::unique_ptr<World> world_;
   SceneModelPtr original_, model_;
   SceneModelPtr undrawn_;  // `original_` without drawn values; nullptr: it has none

@@ -44,17 +44,6 @@ struct FidelityReport {
 /// Motors that an imported joint gets where the source names none.
 enum class ImportDrives { none, position, torque, velocity };
 
-/// What the scene shall not have, because an engine that shall run it lacks it. Each text is empty, or
-/// the reason, which the report repeats.
-struct ImportWithout {
-  std::string rotor_inertia;   ///< of joints: zero
-  std::string couplings;       ///< of joints: they move freely
-  std::string concave_meshes;  ///< of static links: they collide as convex hulls, as all others do
-  /// The reason why a joint with one axis cannot have its limits, by its type, name, axis and position;
-  /// empty: it can. No function: all can.
-  std::function<std::string(const Joint&)> limits;
-};
-
 struct ImportOptions {
   /// ROS packages by name: the folder of each. Beside these, a package is looked for in the folders
   /// above the model (by package.xml or model.config), in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH.
@@ -81,7 +70,6 @@ struct ImportOptions {
   std::vector<std::string> only_below;
   /// An SRDF file beside a URDF; empty: none.
   std::string semantics;
-  ImportWithout without;
   /// Meshes that move, of URDF and SDF, collide as up to so many convex parts, 1 to 64, written as
   /// files of the result; 0: as their hull, as all of MJCF do.
   int convex_parts = 0;

@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "cogrsim/core/export.h"
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/core/result.h"
+#include "cogrsim/physics/leave_out.h"
 
 namespace cogrsim {
 
@@ -70,6 +72,7 @@ struct Provenance {
   Parameters options;  ///< all options of the world in use, including defaults
   /// Options of the assemblies that differ from the defaults, by name of the assembly.
   std::map<std::string, Parameters> assembly_options;
+  std::vector<LeftOut> left_out;  ///< of the scene as it starts, see SimulationOptions::without
 
   StageOrigin& operator[](StepStage stage) { return stages[static_cast<std::size_t>(stage)]; }
   const StageOrigin& operator[](StepStage stage) const {

@@ -50,6 +50,7 @@ inline constexpr int kMostWorlds = 100'000;
 struct BatchOptions {
   std::string backend;  ///< empty: that of the scene, otherwise "bullet"
   double step = 0.0;    ///< time step [s]; 0: that of the scene
+  std::vector<std::string> without;  ///< see SimulationOptions
   int threads = 0;      ///< number of threads, including that of the caller; 0: one per core
   /// Seeds of the first episodes (nworld); empty: the seed of the scene plus the index of the
   /// world.

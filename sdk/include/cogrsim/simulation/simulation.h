@@ -33,6 +33,9 @@ struct SimulationOptions {
   std::optional<std::uint64_t> seed;  ///< empty: that of the scene
   double speed = std::numeric_limits<double>::infinity();  ///< see SetSpeed
   Isolation isolation = Isolation::none;  ///< of controllers whose isolation is not set
+  /// What is left out of the scene, and of what is added to it: see check_without(). Provenance::left_out
+  /// says what that was.
+  std::vector<std::string> without;
 };
 
 /// Status of a run.

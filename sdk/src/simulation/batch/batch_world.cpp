@@ -26,6 +26,7 @@ tl::expected<void, std::vector<Diagnostic>> BatchWorld::build(SceneModelPtr scen
   options.backend = options_->backend;
   options.step = options_->step;
   options.seed = seed;
+  options.without = options_->without;
   auto simulation = Simulation::create(scene, options, loader_);
   if (!simulation) return Trouble(simulation.error());
   auto names = look_up(**simulation, *options_);

@@ -36,6 +36,18 @@ export interface Provenance {
   /** "broad-phase", "contact-law", … */
   stages: Record<string, StageOrigin>;
   options: Record<string, string>;
+  /** of the scene, as --without asked for */
+  left_out: LeftOut[];
+}
+
+/** A feature of the scene that a run leaves out */
+export interface LeftOut {
+  /** "joint.coupling", … */
+  feature: string;
+  /** "coupling", "joint", … */
+  of: string;
+  /** of how many of these */
+  count: number;
 }
 
 /** Two runs beside each other */

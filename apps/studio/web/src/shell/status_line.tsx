@@ -16,6 +16,7 @@ const kStates: Record<string, string> = {
 /** The lines of the table of a run's provenance. */
 function provenanceRows(p: Provenance): [string, string][] {
   const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim" };
+  const leftOut = p.left_out.map(({ feature, of, count }) => `${feature} (${count} × ${of})`);
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [
     ["engine", `${p.engine} ${p.version}`],
@@ -27,6 +28,7 @@ function provenanceRows(p: Provenance): [string, string][] {
       `${kBy[by] ?? by}: ${name}`,
     ]),
     ["options", options.length > 0 ? options.join(" ") : "none"],
+    ["left out", leftOut.join(", ") || "nothing"],
     ["CogRSim", p.cogrsim_version],
   ];
 }
