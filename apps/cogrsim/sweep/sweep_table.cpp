@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/shown_text.h"
 #include "common/output_file.h"
 #include "render/plots.h"
 #include "sweep/sqlite_statement.h"
