@@ -237,6 +237,19 @@ TEST_CASE("a thousand kilograms stand on a gram", "[faults]") {
                    1e-3);
 }
 
+TEST_CASE("a grain of a tenth of a millimetre comes to rest", "[faults]") {
+  const double side = 1e-4;
+  ModelBuilder builder;
+  builder.plane("floor");
+  const int grain = builder.box("grain", Vec3(side, side, side), 1e-9, at(0, 0, 0.001));
+  Sim sim(builder);
+  sim.run(1.0);
+  double fastest = 0.0;
+  sim.run(0.2, kDt, [&] { fastest = std::max(fastest, sim.twist(grain).linear.norm()); });
+  measure("fastest [m/s]", fastest, 1e-5);
+  measure("off its face [m]", std::abs(sim.pose(grain).p.z() - 0.5 * side), 0.1 * side);
+}
+
 TEST_CASE("a thin wall stops what is fast", "[faults]") {
   const double phase = GENERATE(0.0, 0.27, 0.61, 0.93);  // of a step
   const double speed = 100.0, radius = 0.01;

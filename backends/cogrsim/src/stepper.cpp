@@ -8,7 +8,8 @@
 namespace cogrsim::dynamics {
 namespace {
 
-// Speculative margin of a body at rest [m].
+// Speculative margin of a body at rest [m], but not more than half its thickness: what is thinner would touch
+// with its far side, too.
 constexpr double kRestMargin = 1e-4;
 
 // A cylinder whose ends are less than this, and this much of its length, apart in height touches
@@ -118,7 +119,8 @@ void Stepper::measure_speeds(double h) {
     if (link.plan.shadow || radius == 0.0) continue;
     const LinkMotion& motion = motions[i];
     const double spin = std::isfinite(radius) ? radius * motion.angular.norm() : 0.0;
-    margins_[i] = kRestMargin + fall + h * (motion.linear.norm() + spin);
+    const double rest = std::min(kRestMargin, detector_.thinness(link.plan.body));
+    margins_[i] = rest + fall + h * (motion.linear.norm() + spin);
   }
 }
 
