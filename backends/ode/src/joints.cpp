@@ -16,7 +16,7 @@ namespace {
 // A direction that was turned into a frame and back is off by some last digits.
 constexpr double kRounding = 1e-15;
 constexpr double kFits = 1e-9;  // [m], [rad]
-// Stops of an angle that are nearer to each other are told apart whatever passes one of them [rad].
+// With limits nearer to each other than this an angle says which of them it is beyond [rad].
 constexpr double kNarrow = 6.0;
 
 Vec3 cleaned(Vec3 direction) {

@@ -27,6 +27,10 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kWords = {
      {"loops", "loop"},
      {"rotor-inertia", "joint.rotor-inertia"}}};
 
+/// What joints of each type have on their axes.
+constexpr std::array<const char*, 5> kAxisParts = {"limit", "damping", "friction", "stiffness",
+                                                   "rotor-inertia"};
+
 std::vector<std::string> features_to_leave_out() {
   std::vector<std::string> out = {"joint.coupling",
                                   "joint.coupling-effort",
@@ -39,8 +43,7 @@ std::vector<std::string> features_to_leave_out() {
   for (const JointType type : kJointTypes) {
     const std::string name = to_string(type);
     out.push_back("loop." + name);
-    for (const char* part : {"limit", "damping", "friction", "stiffness", "rotor-inertia"})
-      out.push_back(fmt::format("joint.{}.{}", part, name));
+    for (const char* part : kAxisParts) out.push_back(fmt::format("joint.{}.{}", part, name));
   }
   for (const ShapeType a : kShapeTypes) {
     out.push_back(std::string("shape.") + to_string(a));
@@ -292,8 +295,7 @@ Result<> check_without(const std::vector<std::string>& names) {
     std::vector<std::string> known = features();
     known.emplace_back(kLacking);
     for (const auto& [word, stands_for] : kWords) known.emplace_back(word);
-    for (const char* part : {"limit", "damping", "friction", "stiffness", "rotor-inertia"})
-      known.push_back(std::string("joint.") + part);
+    for (const char* part : kAxisParts) known.push_back(std::string("joint.") + part);
     const std::string nearest = nearest_name(name, known);
     return fail("there is nothing '" + name + "' to leave out", "",
                 (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +

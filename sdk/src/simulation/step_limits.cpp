@@ -6,18 +6,16 @@
 #include <fmt/format.h>
 
 #include "cogrsim/geometry/convex.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "core/index.h"
 
 namespace cogrsim {
 namespace {
 
 // Of a shape that contact is resolved on: its least extent; a surface without a volume has none [m].
-double thickness(const SceneModel& model, int body, int shape) {
-  const Shape& it = model.bodies[at(body)].shapes[at(shape)];
-  const bool solid =
-      it.type != ShapeType::plane && it.type != ShapeType::mesh && it.type != ShapeType::heightmap;
-  if (!solid) return std::numeric_limits<double>::infinity();
-  return 2.0 * geometry::local_bounds(model, it).half().minCoeff();
+double thickness(const SceneModel& model, const Shape& shape) {
+  if (is_surface(shape.type)) return std::numeric_limits<double>::infinity();
+  return 2.0 * geometry::local_bounds(model, shape).half().minCoeff();
 }
 
 }  // namespace
@@ -56,21 +54,15 @@ bool StepLimits::check_overlap(WorldHost& host, MessageLog& log) {
   now_deep_.clear();
   for (const Contact& contact : contacts_) {
     if (!(contact.depth > 0.0)) continue;
-    const auto part = [&](int body, int shape) -> const Shape& {
-      return model.bodies[at(body)].shapes[at(shape)];
-    };
-    const double thin = std::min(thickness(model, contact.body_a, contact.shape_a),
-                                 thickness(model, contact.body_b, contact.shape_b));
+    const Body &a = model.bodies[at(contact.body_a)], &b = model.bodies[at(contact.body_b)];
+    const Shape &of_a = a.shapes[at(contact.shape_a)], &of_b = b.shapes[at(contact.shape_b)];
+    const double thin = std::min(thickness(model, of_a), thickness(model, of_b));
     if (!(contact.depth > kMost * thin)) continue;
     // Surfaces with a stiffness are meant to yield.
-    if (surface_pair(model, part(contact.body_a, contact.shape_a).material,
-                     part(contact.body_b, contact.shape_b).material)
-            .stiffness)
-      continue;
+    if (surface_pair(model, of_a.material, of_b.material).stiffness) continue;
     const std::pair<int, int> pair(contact.body_a, contact.body_b);
     now_deep_.push_back(pair);
     if (std::find(deep_.begin(), deep_.end(), pair) == deep_.end()) continue;
-    const Body &a = model.bodies[at(contact.body_a)], &b = model.bodies[at(contact.body_b)];
     const bool both = a.kind == BodyKind::dynamic && b.kind == BodyKind::dynamic;
     log.report(Severity::warning, a.name,
                fmt::format("bodies '{}' and '{}' overlap by {:.2g} mm, and the thinner one is "

@@ -1,7 +1,6 @@
 // Impulses and displacements that make all rows hold, island by island.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "cogrsim/core/worker_pool.h"

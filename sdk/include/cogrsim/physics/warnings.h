@@ -1,8 +1,6 @@
 // What an engine does otherwise than the scene says.
 #pragma once
 
-#include <cstddef>
-#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,32 +29,9 @@ COGRSIM_API std::vector<Diagnostic> stiff_forces(const SceneModel& scene);
 
 /// Warnings of an engine with an iterative solver about rotors that are heavy for the bodies they turn.
 /// `ratios`: by joint and axis, a rotor's inertia over that of the bodies; the solver holds `most`.
-inline std::vector<Diagnostic> rotor_warnings(const SceneModel& scene, const std::string& backend,
-                                              const std::vector<std::vector<double>>& ratios,
-                                              double most) {
-  std::vector<Diagnostic> out;
-  const auto number = [](double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", value);
-    return std::string(text);
-  };
-  for (std::size_t j = 0; j < ratios.size(); ++j) {
-    for (const double ratio : ratios[j]) {
-      if (!(ratio > most)) continue;
-      Diagnostic d;
-      d.severity = Severity::warning;
-      d.code = "CG2008";
-      d.message = "backend '" + backend + "' may not hold the rotor inertia of joint '" +
-                  scene.joints[j].name + "': it is " + number(ratio) +
-                  " times the inertia of the bodies it turns, and the solver's sweeps hold " +
-                  number(most);
-      d.help = "take more iterations or a direct solver, or run the scene on another backend";
-      d.locate(source_position(scene, scene.joints[j].origin));
-      out.push_back(std::move(d));
-      break;
-    }
-  }
-  return out;
-}
+COGRSIM_API std::vector<Diagnostic> rotor_warnings(const SceneModel& scene,
+                                                   const std::string& backend,
+                                                   const std::vector<std::vector<double>>& ratios,
+                                                   double most);
 
 }  // namespace cogrsim

@@ -1,9 +1,10 @@
+#include "cogrsim/physics/warnings.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "cogrsim/physics/warnings.h"
 #include "core/index.h"
 #include "model/diagnose.h"
 
@@ -18,7 +19,32 @@ double inverse_mass(const SceneModel& model, int index, const Vec3& point, const
   return 1.0 / body.mass + turn.dot(body.inertia.inverse() * turn);
 }
 
+Diagnostic warning(const SceneModel& model, const SourceSpan& origin, const std::string& message,
+                   const std::string& help) {
+  Diagnostic d = diagnose(model, origin, message, "CG2008", help);
+  d.severity = Severity::warning;
+  return d;
+}
+
 }  // namespace
+
+std::vector<Diagnostic> rotor_warnings(const SceneModel& scene, const std::string& backend,
+                                       const std::vector<std::vector<double>>& ratios,
+                                       double most) {
+  std::vector<Diagnostic> out;
+  for (std::size_t j = 0; j < ratios.size(); ++j) {
+    const auto ratio =
+        std::find_if(ratios[j].begin(), ratios[j].end(), [&](double one) { return one > most; });
+    if (ratio == ratios[j].end()) continue;
+    out.push_back(warning(
+        scene, scene.joints[j].origin,
+        fmt::format("backend '{}' may not hold the rotor inertia of joint '{}': it is {:.3g} "
+                    "times the inertia of the bodies it turns, and the solver's sweeps hold {:.3g}",
+                    backend, scene.joints[j].name, *ratio, most),
+        "take more iterations or a direct solver, or run the scene on another backend"));
+  }
+  return out;
+}
 
 // A force k x + d v on an inverse mass w, held over steps of h, lets the motion grow from h^2 w k + 2 h w d = 4 on,
 // the bound of the leapfrog; from 1 on the period of an oscillation is off by 4 %.
@@ -28,18 +54,14 @@ std::vector<Diagnostic> stiff_forces(const SceneModel& model) {
   std::vector<Diagnostic> out;
   const auto warn = [&](const ForceModel& force, const char* what, double stiffness) {
     if (!(stiffness > kInaccurate)) return;
-    const double shorter =
-        dt / (stiffness > kInaccurate ? std::sqrt(stiffness / kInaccurate) : 1.0);
-    Diagnostic d = diagnose(
+    out.push_back(warning(
         model, force.origin,
         fmt::format("{} '{}' is too stiff for steps of {:.3g} ms and the masses it acts on: {:.3g} "
-                    "of the {} at "
-                    "which the motion grows without bounds, unless joints hold the bodies",
+                    "of the {} at which the motion grows without bounds, unless joints hold the "
+                    "bodies",
                     what, force.name, 1e3 * dt, stiffness, kUnstable),
-        "CG2008",
-        fmt::format("take steps of {:.2g} ms, or less stiffness and damping", 1e3 * shorter));
-    d.severity = Severity::warning;
-    out.push_back(std::move(d));
+        fmt::format("take steps of {:.2g} ms, or less stiffness and damping",
+                    1e3 * dt / std::sqrt(stiffness / kInaccurate))));
   };
   for (const ForceModel& force : model.forces) {
     if (force.removed) continue;
