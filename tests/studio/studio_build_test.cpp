@@ -66,11 +66,14 @@ TEST_CASE("a controller is built from the page and the run continues with it", "
   CHECK(missing["problems"][0]["line"] == 8);
   CHECK(page.ask("play")["ok"] == false);
 
+  // The scene is shown without its controller; with it, it is another one.
+  const Json shown = page.wait("status", [](const Json& s) { return s["scene"] != 0; })["scene"];
   const Json first = page.get("build");
   INFO(first["log"].get<std::string>());
   REQUIRE(first["built"] == true);
   page.wait("problems", [](const Json& p) { return p["good"] == true; });
-  page.wait("status", [](const Json& s) { return s["state"] == "stopped" && s["scene"] != 0; });
+  page.wait("status",
+            [&](const Json& s) { return s["state"] == "stopped" && s["scene"] != shown; });
   // How far the wheel has turned during that many more steps.
   int steps = 0;
   const auto turned = [&](int more) {
