@@ -44,19 +44,18 @@ void Stepper::conserve_momentum(double h) {
   measure_momenta(true);
   // Impulses of contact.
   gained_.assign(m.components().size(), Gain());
-  for (std::size_t index = 0; index < set_.contacts.size(); ++index) {
-    const ContactRows& contact = set_.contacts[index];
-    const int bodies[2] = {detector_.colliders()[std::size_t(contact.point.collider_a)].body,
-                           detector_.colliders()[std::size_t(contact.point.collider_b)].body};
-    for (int side = 0; side < 2; ++side) {
-      const int link = m.body_link(bodies[side]);
-      const int component = link < 0 ? -1 : m.links()[std::size_t(link)].component;
-      if (component < 0) continue;
-      const double sign = side == 0 ? -1.0 : 1.0;
-      const Wrench& impulse = contact_impulses_[index];
-      gained_[std::size_t(component)].linear += sign * impulse.force;
-      gained_[std::size_t(component)].angular +=
-          sign * (contact.point.point.cross(impulse.force) + impulse.torque);
+  for (const Manifold& manifold : contacts_.manifolds()) {
+    for (const ContactPoint* point = manifold.first; point != manifold.end; ++point) {
+      const ContactOutcome& outcome = contacts_.outcome_of(*point);
+      if (!outcome.has_rows) continue;
+      const Vec3 moment = point->point.cross(outcome.impulse.force) + outcome.impulse.torque;
+      for (int side = 0; side < 2; ++side) {
+        if (manifold.component[side] < 0) continue;
+        Gain& gained = gained_[std::size_t(manifold.component[side])];
+        const double sign = side == 0 ? -1.0 : 1.0;
+        gained.linear += sign * outcome.impulse.force;
+        gained.angular += sign * moment;
+      }
     }
   }
   const std::vector<LinkMotion>& motions = m.motions();

@@ -35,8 +35,8 @@ constexpr double kSingular = 1e-13;
 class Island::NewtonProblem {
  public:
   explicit NewtonProblem(const Island& island)
-      : rows_(island.rows),
-        blocks_(island.blocks),
+      : island_(island),
+        rows_(island.rows),
         W_(Matrix::Zero(Eigen::Index(rows_.size()), Eigen::Index(island.v.size()))),
         start_(Eigen::Index(rows_.size())),
         scale_(Eigen::Index(rows_.size())),
@@ -45,7 +45,7 @@ class Island::NewtonProblem {
     Matrix J = Matrix::Zero(m, n);
     Vector bias(m);
     for (Eigen::Index i = 0; i < m; ++i) {
-      const IslandRow& row = rows_[std::size_t(i)];
+      const Row& row = rows_[std::size_t(i)];
       const double* numbers = row.numbers;
       for (int s = 0; s < 2; ++s) {
         for (int k = 0; k < row.size[s]; ++k) {
@@ -78,14 +78,15 @@ class Island::NewtonProblem {
     e_ = e0_ + A_ * l;
     derivatives_ = derivatives;
     if (derivatives) D_ = Matrix::Zero(A_.rows(), A_.rows());
-    for (const RowBlock& block : blocks_) {
-      const int row = block.first_row;
-      if (block.kind == RowBlock::Kind::ball) {
-        evaluate_disc(l, row, 3, block.friction, nullptr, 0);
-        continue;
-      }
+    const auto bounded = [&](int row) {
       evaluate_bounds(l, row, rows_[std::size_t(row)].low, rows_[std::size_t(row)].high);
-      if (block.kind == RowBlock::Kind::contact) evaluate_friction(l, block);
+    };
+    for (const int row : island_.scalars) bounded(row);
+    for (const BallFriction& ball : island_.balls)
+      evaluate_disc(l, ball.first, 3, ball.bound, nullptr, 0);
+    for (const ContactRows& contact : island_.contacts) {
+      bounded(contact.first);
+      evaluate_friction(l, contact);
     }
     return F_.cwiseProduct(scale_).cwiseAbs().maxCoeff();
   }
@@ -103,17 +104,18 @@ class Island::NewtonProblem {
       D_(i, i) = 1.0;
   }
 
-  void evaluate_friction(const Vector& l, const RowBlock& block) {
-    const int row = block.first_row, loads[2] = {row, block.partner};
-    if (block.friction > 0.0 && block.friction_kind == FrictionKind::point)
-      evaluate_disc(l, row + 1, 2, block.friction, loads, 1);
-    else if (block.friction > 0.0 && block.friction_kind == FrictionKind::patch)
-      evaluate_disc(l, row + 1, 2, block.friction, loads, 2);
-    else if (block.friction > 0.0)
-      evaluate_disc(l, row + 1, 1, block.friction * block.lever, loads, 2);
-    if (block.rolling > 0.0) evaluate_disc(l, block.turning, 2, block.rolling, loads, 1);
-    const int spin = block.turning + (block.rolling > 0.0 ? 2 : 0);
-    if (block.spinning > 0.0) evaluate_disc(l, spin, 1, block.spinning, loads, 1);
+  void evaluate_friction(const Vector& l, const ContactRows& contact) {
+    const int row = contact.first, count = contact.partner < 0 ? 1 : 2;
+    const int loads[2] = {
+        row, count == 1 ? row : island_.contacts[std::size_t(contact.partner)].first};
+    const bool twist = contact.kind == FrictionKind::twist;
+    if (contact.friction > 0.0)
+      evaluate_disc(l, row + 1, contact.friction_rows(),
+                    contact.friction * (twist ? contact.lever : 1.0), loads, count);
+    if (contact.rolling > 0.0)
+      evaluate_disc(l, contact.first_turning(), 2, contact.rolling, loads, 1);
+    if (contact.spinning > 0.0)
+      evaluate_disc(l, contact.end() - 1, 1, contact.spinning, loads, 1);
   }
 
   // `loads`: rows whose sum times `factor` is the bound; none: `factor` itself is.
@@ -143,8 +145,8 @@ class Island::NewtonProblem {
     D_.block(first, first, size, size) += Matrix::Identity(size, size);
   }
 
-  const std::vector<IslandRow>& rows_;
-  const std::vector<RowBlock>& blocks_;
+  const Island& island_;
+  const std::vector<Row>& rows_;
   Matrix W_, A_, D_;  // A with the compliance C
   Vector start_, scale_, e0_, e_, F_;
   bool derivatives_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solver/islands.h"
 
@@ -102,13 +103,13 @@ void FreeBodyIsland::add_normal_block(FreeIslandGroup& g) {
   normal_blocks_.push_back(block);
 }
 
-void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGroup::Kind kind,
+void FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind,
                                const int* indices, int count) {
   groups_.emplace_back();
   FreeIslandGroup& g = groups_.back();
   g.kind = kind;
   g.count = count;
-  const IslandRow& leader = rows[std::size_t(indices[0])];
+  const Row& leader = rows[std::size_t(indices[0])];
   g.a = leader.at[0] / 6;
   g.b = leader.size[1] > 0 ? leader.at[1] / 6 : int(roots_.size()) - 1;
   const Root& ra = roots_[std::size_t(g.a)];
@@ -124,7 +125,7 @@ void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGro
     FreeIslandGroup::Row& out = g.rows[i];
     row_of_.push_back(i < count ? indices[i] : -1);
     if (i >= count) continue;
-    const IslandRow& row = rows[std::size_t(indices[i])];
+    const Row& row = rows[std::size_t(indices[i])];
     double j[12] = {};
     scaled(row.numbers, ra, j);
     if (row.size[1] > 0) scaled(row.numbers + 12, rb, j + 6);
@@ -143,8 +144,7 @@ void FreeBodyIsland::add_group(const std::vector<IslandRow>& rows, FreeIslandGro
   }
 }
 
-void FreeBodyIsland::fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
-                          const std::vector<int>& pairs,
+void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
                           const std::vector<const Component*>& bodies) {
   roots_.resize(bodies.size() + 1);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -164,16 +164,16 @@ void FreeBodyIsland::fill(const std::vector<IslandRow>& rows, const std::vector<
   normal_blocks_.clear();
   row_of_.clear();
   constexpr int kMost = 4;
-  for (std::size_t first = 0, end = 0; first < pairs.size(); first = end) {
-    for (end = first + 1; end < pairs.size() && pairs[end] == pairs[first]; ++end) continue;
+  for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+    end = end_of_pair(contacts, first);
     const bool whole = end - first <= std::size_t(kMost);
     end = std::min(end, first + kMost);
     const int count = int(end - first);
-    const double friction = blocks[first].friction;
+    const double friction = contacts[first].friction;
     int indices[kMost];
     bool rests = whole && count > 1;
     for (int i = 0; i < count; ++i) {
-      indices[i] = blocks[first + std::size_t(i)].first_row;
+      indices[i] = contacts[first + std::size_t(i)].first;
       rests = rests && rows[std::size_t(indices[i])].gamma > 0.0;
     }
     if (count == 1 && friction > 0.0) {
@@ -228,7 +228,7 @@ void FreeBodyIsland::unscale(const std::vector<FreeIslandBody>& in, std::vector<
   }
 }
 
-int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
+int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                                      std::vector<double>& v) {
   scale(v, v_);
   for (const FreeIslandGroup& g : groups_)
@@ -257,8 +257,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<I
 }
 
 // As Island::measure_gaps.
-bool FreeBodyIsland::measure_gaps(double h, const std::vector<IslandRow>& rows,
-                                  std::vector<Row>& set_rows) {
+bool FreeBodyIsland::measure_gaps(double h, std::vector<Row>& rows) {
   bool needed = false;
   for (std::size_t n = 0; n < groups_.size(); ++n) {
     const FreeIslandGroup& g = groups_[n];
@@ -266,9 +265,8 @@ bool FreeBodyIsland::measure_gaps(double h, const std::vector<IslandRow>& rows,
     gaps = FreeIslandGaps();
     for (int i = 0; i < 4; ++i) gaps.least[i] = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < g.count; ++i) {
-      Row& row = set_rows[std::size_t(rows[std::size_t(row_of_[4 * n + std::size_t(i)])].set_row)];
-      const double warm = row.position_impulse;
-      row.position_impulse = 0.0;
+      Row& row = rows[std::size_t(row_of_[4 * n + std::size_t(i)])];
+      const double warm = std::exchange(row.position_impulse, 0.0);
       gaps.position_impulse[i] = 0.0;
       if (!row.has_gap) {
         gaps.error[i] = warm;  // until hold_sticking
@@ -322,10 +320,9 @@ void FreeBodyIsland::hold_sticking(double h) {
 }
 
 void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
-                                     const std::vector<IslandRow>& rows, std::vector<Row>& set_rows,
-                                     std::vector<double>& p) {
+                                     std::vector<Row>& rows, std::vector<double>& p) {
   gaps_.resize(groups_.size());
-  if (!measure_gaps(h, rows, set_rows)) return;
+  if (!measure_gaps(h, rows)) return;
   hold_sticking(h);
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const double idle = kIdle * tolerance;
@@ -368,7 +365,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
     if (row_of_[i] < 0) continue;
     const FreeIslandGaps& gaps = gaps_[i / 4];
     if (gaps.weight[i % 4] == 0.0) continue;
-    Row& row = set_rows[std::size_t(rows[std::size_t(row_of_[i])].set_row)];
+    Row& row = rows[std::size_t(row_of_[i])];
     row.position_impulse = warm_start_scale * found_[i / 4][i % 4];
     row.gap_change = along(groups_[i / 4], int(i % 4), p_);
   }

@@ -11,8 +11,6 @@
 namespace cogrsim::dynamics {
 
 struct SolverOptions;
-struct IslandRow;
-struct RowBlock;
 
 /// SIMD vectors of doubles, extensions of GCC and Clang. Each entry is computed by itself, so that
 /// the results do not depend on how many of them the processor takes at a time. Structs that hold them
@@ -74,12 +72,12 @@ class FreeBodyIsland {
   };
 
   /// `bodies`: components by their index in `speeds`, six each.
-  void fill(const std::vector<IslandRow>& rows, const std::vector<RowBlock>& blocks,
-            const std::vector<int>& pairs, const std::vector<const Component*>& bodies);
-  int solve_velocities(const SolverOptions& options, std::vector<IslandRow>& rows,
+  void fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
+            const std::vector<const Component*>& bodies);
+  int solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                        std::vector<double>& v);
-  void solve_positions(const SolverOptions& options, double h, const std::vector<IslandRow>& rows,
-                       std::vector<Row>& set_rows, std::vector<double>& p);
+  void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows,
+                       std::vector<double>& p);
 
  private:
   // Of a body: W = root root^T.
@@ -87,12 +85,12 @@ class FreeBodyIsland {
     double angular[6];  // lower triangle, by rows
     double linear;
   };
-  void add_group(const std::vector<IslandRow>& rows, FreeIslandGroup::Kind kind, const int* indices,
+  void add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind, const int* indices,
                  int count);
   void add_normal_block(FreeIslandGroup& group);
   void scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const;
   void unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const;
-  bool measure_gaps(double h, const std::vector<IslandRow>& rows, std::vector<Row>& set_rows);
+  bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);
 
   std::vector<Root> roots_;  // last: of what does not move

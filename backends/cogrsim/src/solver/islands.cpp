@@ -42,7 +42,7 @@ using Write6 = Eigen::Map<Vec6>;
 // What a row does to the speeds. Any rows:
 struct AnyRows {
   // J v.
-  static double along(const IslandRow& row, const double* v) {
+  static double along(const Row& row, const double* v) {
     const double* const j = row.numbers;
     if (row.free_bodies) {
       double sum = Read6(j).dot(Read6(v + row.at[0]));
@@ -54,7 +54,7 @@ struct AnyRows {
     return sum;
   }
   // v += W impulse.
-  static void apply(const IslandRow& row, double impulse, double* v) {
+  static void apply(const Row& row, double impulse, double* v) {
     const double* const w = row.numbers + row.size[0];
     if (row.free_bodies) {
       Write6(v + row.at[0]) += impulse * Read6(w);
@@ -66,7 +66,7 @@ struct AnyRows {
     add_scaled(impulse, w + row.size[0] + row.size[1], row.size[1], v + row.at[1]);
   }
   // v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
-  static void apply_both(const IslandRow& one, double impulse1, const IslandRow& two,
+  static void apply_both(const Row& one, double impulse1, const Row& two,
                          double impulse2, double* v) {
     if (!one.free_bodies) {
       apply(one, impulse1, v);
@@ -85,23 +85,23 @@ struct AnyRows {
 // some wheels is: lengths known to the compiler, without branches.
 template <int kSize>
 struct RowsOf {
-  static double along(const IslandRow& row, const double* v) {
+  static double along(const Row& row, const double* v) {
     return product(row.numbers, v, kSize);
   }
-  static void apply(const IslandRow& row, double impulse, double* v) {
+  static void apply(const Row& row, double impulse, double* v) {
     add_scaled(impulse, row.numbers + kSize, kSize, v);
   }
-  static void apply_both(const IslandRow& one, double impulse1, const IslandRow& two,
+  static void apply_both(const Row& one, double impulse1, const Row& two,
                          double impulse2, double* v) {
     add_two_scaled(impulse1, one.numbers + kSize, impulse2, two.numbers + kSize, kSize, v);
   }
 };
 
-double along(const IslandRow& row, const double* v) { return AnyRows::along(row, v); }
-void apply(const IslandRow& row, double impulse, double* v) { AnyRows::apply(row, impulse, v); }
+double along(const Row& row, const double* v) { return AnyRows::along(row, v); }
+void apply(const Row& row, double impulse, double* v) { AnyRows::apply(row, impulse, v); }
 
 // J of one row times W of another with the same sides.
-double across(const IslandRow& one, const IslandRow& other) {
+double across(const Row& one, const Row& other) {
   const int first = one.size[0], second = one.size[1];
   const double sum = product(one.numbers, other.numbers + first, first);
   if (second == 0) return sum;
@@ -110,7 +110,7 @@ double across(const IslandRow& one, const IslandRow& other) {
 
 // Towards the row's goal; returns the change of its velocity.
 template <class Rows>
-inline double relax(IslandRow& row, double least, double most, double* v) {
+inline double relax(Row& row, double least, double most, double* v) {
   const double residual = row.bias + Rows::along(row, v) + row.gamma * row.lambda;
   const double before = row.lambda;
   row.lambda = std::clamp(before - residual * row.inverse, least, most);
@@ -122,7 +122,7 @@ inline double relax(IslandRow& row, double least, double most, double* v) {
 
 // Two rows towards rest, their impulses in a disc.
 template <class Rows>
-inline double relax_disc(IslandRow& t1, IslandRow& t2, double bound, double* v) {
+inline double relax_disc(Row& t1, Row& t2, double bound, double* v) {
   if (bound <= 0.0 && t1.lambda == 0.0 && t2.lambda == 0.0) return 0.0;
   double l1 = t1.lambda - (t1.bias + Rows::along(t1, v)) * t1.inverse;
   double l2 = t2.lambda - (t2.bias + Rows::along(t2, v)) * t2.inverse;
@@ -143,31 +143,48 @@ inline double relax_disc(IslandRow& t1, IslandRow& t2, double bound, double* v) 
 }  // namespace
 
 void Island::clear() {
-  rows.clear();
-  blocks.clear();
-  speeds.clear();
-  pairs.clear();
+  RowSet::clear();
   components.clear();
+  speeds.clear();
   p.clear();
-  normal_blocks_.clear();
+}
+
+void Island::place_rows(const std::vector<Component>& all, std::vector<int>& start) {
+  for (Row& row : rows) {
+    for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
+      int& at = start[std::size_t(row.component[s])];
+      if (at < 0) {
+        const Component& c = all[std::size_t(row.component[s])];
+        at = int(speeds.size());
+        for (int k = 0; k < c.size(); ++k) speeds.push_back(c.offset + k);
+        components.push_back(&c);
+      }
+      row.at[s] = at;
+    }
+  }
+}
+
+void Island::measure_gap_changes(const double* displacement) {
+  p.resize(speeds.size());
+  for (std::size_t k = 0; k < p.size(); ++k) p[k] = displacement[std::size_t(speeds[k])];
+  for (Row& row : rows)
+    if (row.has_gap) row.gap_change = along(row, p.data());
 }
 
 template <class Rows>
-double Island::relax_contact(const RowBlock& block) {
-  IslandRow* const row = &rows[std::size_t(block.first_row)];
+double Island::relax_contact(const ContactRows& contact) {
+  Row* const row = &rows[std::size_t(contact.first)];
   double* const x = v.data();
   double change = 0.0;
-  if (part_ != Part::friction && block.normal_block >= 0)
-    change = relax_normal_block<Rows>(normal_blocks_[std::size_t(block.normal_block)]);
-  else if (part_ != Part::friction && !block.in_normal_block)
+  if (part_ != Part::friction && contact.normal_block >= 0)
+    change = relax_normal_block<Rows>(normal_blocks_[std::size_t(contact.normal_block)]);
+  else if (part_ != Part::friction && !contact.in_normal_block)
     change = relax<Rows>(row[0], 0.0, row[0].high, x);
-  if (block.friction <= 0.0 || part_ == Part::loads) return change;
-  double load = row[0].lambda;
-  if (block.friction_kind != FrictionKind::point) load += rows[std::size_t(block.partner)].lambda;
-  const double bound = std::max(block.friction * load, 0.0);
-  IslandRow &t1 = row[1], &t2 = row[2];
-  if (block.friction_kind == FrictionKind::twist) {
-    const double most = block.lever * bound;
+  if (contact.friction <= 0.0 || part_ == Part::loads) return change;
+  const double bound = std::max(contact.friction * load_of(contact), 0.0);
+  Row &t1 = row[1], &t2 = row[2];
+  if (contact.kind == FrictionKind::twist) {
+    const double most = contact.lever * bound;
     return std::max(change, relax<Rows>(t1, -most, most, x));
   }
   return std::max(change, relax_disc<Rows>(t1, t2, bound, x));
@@ -175,27 +192,27 @@ double Island::relax_contact(const RowBlock& block) {
 
 // Rolling and spinning friction of a contact, bounded by its load.
 template <class Rows>
-double Island::relax_turning(const RowBlock& block) {
-  const double load = std::max(rows[std::size_t(block.first_row)].lambda, 0.0);
-  IslandRow* row = &rows[std::size_t(block.turning)];
+double Island::relax_turning(const ContactRows& contact) {
+  const double load = std::max(rows[std::size_t(contact.first)].lambda, 0.0);
+  Row* row = &rows[std::size_t(contact.first_turning())];
   double change = 0.0;
-  if (block.rolling > 0.0) {
-    change = relax_disc<Rows>(row[0], row[1], block.rolling * load, v.data());
+  if (contact.rolling > 0.0) {
+    change = relax_disc<Rows>(row[0], row[1], contact.rolling * load, v.data());
     row += 2;
   }
-  if (block.spinning <= 0.0) return change;
-  const double most = block.spinning * load;
+  if (contact.spinning <= 0.0) return change;
+  const double most = contact.spinning * load;
   return std::max(change, relax<Rows>(row[0], -most, most, v.data()));
 }
 
 template <class Rows>
-double Island::relax_ball(const RowBlock& block) {
-  IslandRow* const row = &rows[std::size_t(block.first_row)];
+double Island::relax_ball(const BallFriction& ball) {
+  Row* const row = &rows[std::size_t(ball.first)];
   Vec3 wanted;
   for (int k = 0; k < 3; ++k)
     wanted[k] = row[k].lambda - (row[k].bias + Rows::along(row[k], v.data())) * row[k].inverse;
   const double length = wanted.norm();
-  if (length > block.friction) wanted *= block.friction / length;
+  if (length > ball.bound) wanted *= ball.bound / length;
   double change = 0.0;
   for (int k = 0; k < 3; ++k) {
     const double d = wanted[k] - row[k].lambda;
@@ -209,7 +226,7 @@ double Island::relax_ball(const RowBlock& block) {
 // v += W change, all points at once.
 template <class Rows>
 void Island::apply_normal_block(const NormalBlock& block, const Eigen::Vector4d& change) {
-  const IslandRow& leader = rows[std::size_t(block.row[0])];
+  const Row& leader = rows[std::size_t(block.row[0])];
   if (!leader.free_bodies || !std::is_same_v<Rows, AnyRows>) {
     for (int i = 0; i < block.count; ++i)
       if (change[i] != 0.0) Rows::apply(rows[std::size_t(block.row[i])], change[i], v.data());
@@ -228,7 +245,7 @@ double Island::relax_normal_block(const NormalBlock& block) {
   if (block.count == 2) return relax_two_normals<Rows>(block);
   Eigen::Vector4d residual = Eigen::Vector4d::Zero(), before = Eigen::Vector4d::Zero();
   for (int i = 0; i < block.count; ++i) {
-    const IslandRow& row = rows[std::size_t(block.row[i])];
+    const Row& row = rows[std::size_t(block.row[i])];
     before[i] = row.lambda;
     residual[i] = row.bias + Rows::along(row, v.data()) + row.gamma * row.lambda;
   }
@@ -257,8 +274,8 @@ double Island::relax_normal_block(const NormalBlock& block) {
 // work.
 template <class Rows>
 double Island::relax_two_normals(const NormalBlock& block) {
-  IslandRow& one = rows[std::size_t(block.row[0])];
-  IslandRow& two = rows[std::size_t(block.row[1])];
+  Row& one = rows[std::size_t(block.row[0])];
+  Row& two = rows[std::size_t(block.row[1])];
   const double a = block.A(0, 0), b = block.A(0, 1), d = block.A(1, 1);
   const double before1 = one.lambda, before2 = two.lambda;
   const double mean = block.mean_compliance * (before1 + before2);
@@ -285,37 +302,37 @@ double Island::relax_two_normals(const NormalBlock& block) {
 
 void Island::prepare() {
   normal_blocks_.clear();
-  for (RowBlock& block : blocks) {
-    block.normal_block = -1;
-    block.in_normal_block = false;
+  for (ContactRows& contact : contacts) {
+    contact.normal_block = -1;
+    contact.in_normal_block = false;
   }
   is_free_body_island_ =
-      rows.size() > kSmall && contacts == 0 &&
-      std::all_of(rows.begin(), rows.end(), [](const IslandRow& row) { return row.free_bodies; }) &&
-      std::all_of(blocks.begin(), blocks.end(), [](const RowBlock& block) {
-        return block.friction_kind == FrictionKind::point && block.rolling <= 0.0 &&
-               block.spinning <= 0.0;
+      rows.size() > kSmall && scalars.empty() && balls.empty() &&
+      std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.free_bodies; }) &&
+      std::all_of(contacts.begin(), contacts.end(), [](const ContactRows& contact) {
+        return contact.kind == FrictionKind::point && contact.turning_rows() == 0;
       });
   if (is_free_body_island_)
-    free_body_island_.fill(rows, blocks, pairs, components);
+    free_body_island_.fill(rows, contacts, components);
   else
     make_normal_blocks();
 }
 
 void Island::make_normal_blocks() {
-  const std::size_t count = pairs.size();
-  for (std::size_t first = 0, end = 0; first < count; first = end) {
-    bool rests = true;
-    for (end = first; end < count && pairs[end] == pairs[first]; ++end)
-      rests = rests && rows[std::size_t(blocks[contacts + end].first_row)].gamma > 0.0;
+  for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
+    const auto row_of = [&](int i) { return contacts[first + std::size_t(i)].first; };
+    end = end_of_pair(contacts, first);
     const int size = int(end - first);
-    if (!rests || size < 2 || size > NormalBlock::kMost) continue;
+    if (size < 2 || size > NormalBlock::kMost) continue;
+    bool rests = true;
+    for (int i = 0; i < size; ++i) rests = rests && rows[std::size_t(row_of(i))].gamma > 0.0;
+    if (!rests) continue;
     NormalBlock block;
     block.count = size;
     block.A.setIdentity();
     for (int i = 0; i < size; ++i) {
-      block.row[i] = blocks[contacts + first + std::size_t(i)].first_row;
-      const IslandRow& a = rows[std::size_t(block.row[i])];
+      block.row[i] = row_of(i);
+      const Row& a = rows[std::size_t(block.row[i])];
       for (int k = 0; k <= i; ++k) {
         const double response = across(a, rows[std::size_t(block.row[k])]);
         block.A(i, k) = block.A(k, i) = response;
@@ -327,9 +344,8 @@ void Island::make_normal_blocks() {
     for (int i = 0; i < size; ++i)
       for (int k = 0; k < size; ++k) block.A(i, k) -= block.mean_compliance;
     block.A_inverse = block.A.inverse();
-    for (int i = 0; i < size; ++i) blocks[contacts + first + std::size_t(i)].in_normal_block = true;
-    blocks[contacts + first].normal_block = blocks[contacts + end - 1].normal_block =
-        int(normal_blocks_.size());
+    for (std::size_t i = first; i < end; ++i) contacts[i].in_normal_block = true;
+    contacts[first].normal_block = contacts[end - 1].normal_block = int(normal_blocks_.size());
     normal_blocks_.push_back(block);
   }
 }
@@ -337,65 +353,61 @@ void Island::make_normal_blocks() {
 template <class Rows>
 double Island::sweep(bool backwards) {
   double change = 0.0;
-  for (std::size_t i = 0; i < contacts; ++i) {
-    const RowBlock& block = blocks[i];
-    IslandRow& row = rows[std::size_t(block.first_row)];
-    change = std::max(change, block.kind == RowBlock::Kind::ball
-                                  ? relax_ball<Rows>(block)
-                                  : relax<Rows>(row, row.low, row.high, v.data()));
+  for (const int i : scalars) {
+    Row& row = rows[std::size_t(i)];
+    change = std::max(change, relax<Rows>(row, row.low, row.high, v.data()));
   }
-  for (std::size_t i = contacts; i < blocks.size(); ++i) {
-    const RowBlock& block = blocks[backwards ? contacts + blocks.size() - 1 - i : i];
-    change = std::max(change, relax_contact<Rows>(block));
-    if (part_ != Part::loads && (block.rolling > 0.0 || block.spinning > 0.0))
-      change = std::max(change, relax_turning<Rows>(block));
+  for (const BallFriction& ball : balls) change = std::max(change, relax_ball<Rows>(ball));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const ContactRows& contact = contacts[backwards ? contacts.size() - 1 - i : i];
+    change = std::max(change, relax_contact<Rows>(contact));
+    if (part_ != Part::loads && contact.turning_rows() > 0)
+      change = std::max(change, relax_turning<Rows>(contact));
   }
   return change;
 }
 
-void Island::solve_velocities(const SolverOptions& options, double h, std::vector<Row>& set_rows) {
-  impacts_.resize(rows.size());
+void Island::solve_velocities(const SolverOptions& options, double h) {
   bool waits = false;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    impacts_[i] = set_rows[std::size_t(rows[i].set_row)].impact;
-    if (impacts_[i] != Row::Impact::waits) continue;
+  for (Row& row : rows) {
+    row.bias = row.now - row.target;
+    if (row.impact != Row::Impact::waits) continue;
     waits = true;
-    rows[i].bias = kFree;
-    rows[i].lambda = 0.0;
+    row.bias = kFree;
+    row.lambda = 0.0;
   }
-  solve_impacts(options, set_rows);
+  solve_impacts(options);
   if (!waits) return;
   earlier_.assign(rows.size(), 0.0);
   for (int count = 1; count <= kGenerations; ++count) {
-    if (!pass_impacts_on(options.bounce_threshold, h, count == kGenerations, set_rows)) break;
-    solve_impacts(options, set_rows);
+    if (!pass_impacts_on(options.bounce_threshold, h, count == kGenerations)) break;
+    solve_impacts(options);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].lambda += earlier_[i];
 }
 
 // The contacts' impulses on the mean of the speeds before and after, against the surfaces: what they add to
 // the energy, but for what moves a surface.
-bool Island::impacts_add_energy(const std::vector<Row>& set_rows) const {
+bool Island::impacts_add_energy() const {
   double work = 0.0, size = 0.0;
-  for (std::size_t k = contacts; k < blocks.size(); ++k) {
-    const std::size_t first = std::size_t(blocks[k].first_row), end = end_of(k);
-    for (std::size_t i = first; i < end; ++i) {
-      if (rows[i].lambda == 0.0) continue;
-      const double before = along(rows[i], start_.data()), after = along(rows[i], v.data());
-      const double speed = i == first ? set_rows[std::size_t(rows[i].set_row)].now : rows[i].bias;
-      work += rows[i].lambda * (speed + 0.5 * (before + after));
-      size +=
-          std::abs(rows[i].lambda) * std::max(std::abs(speed + before), std::abs(speed + after));
+  for (const ContactRows& contact : contacts) {
+    for (int i = contact.first; i < contact.end(); ++i) {
+      const Row& row = rows[std::size_t(i)];
+      if (row.lambda == 0.0) continue;
+      const double before = along(row, start_.data()), after = along(row, v.data());
+      const double speed = i == contact.first ? row.now : row.bias;
+      work += row.lambda * (speed + 0.5 * (before + after));
+      size += std::abs(row.lambda) * std::max(std::abs(speed + before), std::abs(speed + after));
     }
   }
   return work > kNoEnergy * size;
 }
 
-void Island::solve_impacts(const SolverOptions& options, const std::vector<Row>& set_rows) {
+void Island::solve_impacts(const SolverOptions& options) {
   bool may_add = false;
-  for (std::size_t k = contacts; k < blocks.size(); ++k)
-    may_add = may_add || (blocks[k].friction > 0.0 &&
-                          impacts_[std::size_t(blocks[k].first_row)] == Row::Impact::bounces);
+  for (const ContactRows& contact : contacts)
+    may_add = may_add || (contact.friction > 0.0 &&
+                          rows[std::size_t(contact.first)].impact == Row::Impact::bounces);
   if (may_add) {
     start_ = v;
     warm_.resize(rows.size());
@@ -403,21 +415,19 @@ void Island::solve_impacts(const SolverOptions& options, const std::vector<Row>&
   }
   prepare();
   solve_velocities(options);
-  if (!may_add || !impacts_add_energy(set_rows)) return;
+  if (!may_add || !impacts_add_energy()) return;
   std::vector<double> bounce(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (impacts_[i] == Row::Impact::bounces)
-      bounce[i] = set_rows[std::size_t(rows[i].set_row)].now - rows[i].bias;
+    if (rows[i].impact == Row::Impact::bounces) bounce[i] = rows[i].now - rows[i].bias;
   const auto try_share = [&](double share) {
     v = start_;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].lambda = warm_[i];
-      if (impacts_[i] == Row::Impact::bounces)
-        rows[i].bias = set_rows[std::size_t(rows[i].set_row)].now - share * bounce[i];
+      if (rows[i].impact == Row::Impact::bounces) rows[i].bias = rows[i].now - share * bounce[i];
     }
     prepare();
     solve_velocities(options);
-    return !impacts_add_energy(set_rows);
+    return !impacts_add_energy();
   };
   double good = 0.0, share = 0.5;
   bool now = false;
@@ -429,52 +439,47 @@ void Island::solve_impacts(const SolverOptions& options, const std::vector<Row>&
   if (!now) try_share(good);
 }
 
-bool Island::pass_impacts_on(double bounce_threshold, double h, bool last,
-                             std::vector<Row>& set_rows) {
+bool Island::pass_impacts_on(double bounce_threshold, double h, bool last) {
   // Rows whose gap is closed by the end, and how fast.
   static thread_local std::vector<std::pair<std::size_t, double>> closed;
   closed.clear();
   bool hits = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (impacts_[i] != Row::Impact::waits) continue;
-    const Row& in = set_rows[std::size_t(rows[i].set_row)];
-    const double change = along(rows[i], v.data()), speed = -(in.now + change);
-    if (speed <= 0.0 || in.gap + 0.5 * h * change > 0.0) continue;
+    const Row& row = rows[i];
+    if (row.impact != Row::Impact::waits) continue;
+    const double change = along(row, v.data()), speed = -(row.now + change);
+    if (speed <= 0.0 || row.gap + 0.5 * h * change > 0.0) continue;
     closed.emplace_back(i, speed);
     hits = hits || speed > bounce_threshold;
   }
   if (closed.empty()) return false;
   hits = hits && !last;
   // Impulses of impacts that are over stay in v.
-  for (std::size_t k = contacts; hits && k < blocks.size(); ++k) {
-    const std::size_t first = std::size_t(blocks[k].first_row);
-    if (impacts_[first] != Row::Impact::bounces) continue;
-    impacts_[first] = Row::Impact::waits;
-    rows[first].bias = kFree;
-    Row& out = set_rows[std::size_t(rows[first].set_row)];
-    out.gap_target = 0.0;
-    out.bilateral = false;
-    const std::size_t end = end_of(k);
-    for (std::size_t i = first; i < end; ++i) {
-      earlier_[i] += rows[i].lambda;
-      rows[i].lambda = 0.0;
-    }
+  for (const ContactRows& contact : contacts) {
+    Row& normal = rows[std::size_t(contact.first)];
+    if (!hits || normal.impact != Row::Impact::bounces) continue;
+    normal.impact = Row::Impact::waits;
+    normal.bias = kFree;
+    normal.gap_target = 0.0;
+    normal.bilateral = false;
+    for (int i = contact.first; i < contact.end(); ++i)
+      earlier_[std::size_t(i)] += std::exchange(rows[std::size_t(i)].lambda, 0.0);
   }
-  for (const IslandRow& row : rows)
+  for (const Row& row : rows)
     if (row.lambda != 0.0) apply(row, -row.lambda, v.data());
   for (const auto& [i, speed] : closed) {
-    const Row& in = set_rows[std::size_t(rows[i].set_row)];
+    Row& row = rows[i];
     const bool bounces = hits && speed > bounce_threshold;
     if (hits && !bounces) continue;
-    rows[i].bias = in.now - (bounces ? in.restitution * speed : std::min(in.target, 0.0));
-    impacts_[i] = bounces ? Row::Impact::bounces : Row::Impact::none;
+    row.bias = row.now - (bounces ? row.restitution * speed : std::min(row.target, 0.0));
+    row.impact = bounces ? Row::Impact::bounces : Row::Impact::none;
   }
   return true;
 }
 
 int Island::solve_velocities(const SolverOptions& options) {
   if (is_free_body_island_) return free_body_island_.solve_velocities(options, rows, v);
-  const bool alone = std::all_of(rows.begin(), rows.end(), [this](const IslandRow& row) {
+  const bool alone = std::all_of(rows.begin(), rows.end(), [this](const Row& row) {
     return row.size[1] == 0 && row.at[0] == 0 && std::size_t(row.size[0]) == v.size();
   });
   switch (alone ? v.size() : 0) {
@@ -498,7 +503,7 @@ int Island::solve_velocities(const SolverOptions& options) {
 template <class Rows>
 bool Island::is_worse_than_none() const {
   double twice = 0.0;
-  for (const IslandRow& row : rows)
+  for (const Row& row : rows)
     twice += row.lambda * (Rows::along(row, v0_.data()) + Rows::along(row, v.data()) +
                            2.0 * row.bias + row.gamma * row.lambda);
   return twice > 0.0;
@@ -511,7 +516,7 @@ template <class Rows>
 void Island::solve_by_turns(const SolverOptions& options) {
   const auto start_again = [this] {
     v = v0_;
-    for (IslandRow& row : rows) row.lambda = 0.0;
+    for (Row& row : rows) row.lambda = 0.0;
   };
   start_again();
   for (const Part part : {Part::loads, Part::friction}) {
@@ -536,7 +541,7 @@ int Island::solve_velocities_of(const SolverOptions& options) {
 // Returns one more sweep than may be if the rows are not solved.
 template <class Rows>
 int Island::solve_together(const SolverOptions& options) {
-  for (const IslandRow& row : rows)
+  for (const Row& row : rows)
     if (row.lambda != 0.0) apply(row, row.lambda, v.data());
   const std::size_t m = rows.size();
   const bool accelerate = m <= kSmall;
@@ -564,31 +569,29 @@ int Island::solve_together(const SolverOptions& options) {
 }
 
 // What the velocities make of the gaps; false: nothing is to be displaced.
-bool Island::measure_gaps(double h, std::vector<Row>& set_rows) {
+bool Island::measure_gaps(double h) {
   gaps_.clear();
   bool needed = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    Row& row = set_rows[std::size_t(rows[i].set_row)];
-    rows[i].position_impulse = row.position_impulse;
-    row.position_impulse = 0.0;
+    Row& row = rows[i];
     if (!row.has_gap) continue;
-    row.gap += 0.5 * h * along(rows[i], v.data());
+    row.gap += 0.5 * h * along(row, v.data());
     Gap gap;
     gap.row = int(i);
     gap.error = row.gap_target - row.gap;
     // A point under load touches: a gap left open there would let a face tilt slowly.
     const bool close = row.gap_target == 0.0 && std::abs(gap.error) < 1e-5;
     const bool rests = close && gap.error < 0.0;
-    gap.bilateral = (row.bilateral || rests) && rows[i].lambda > 0.0;
+    gap.bilateral = (row.bilateral || rests) && row.lambda > 0.0;
     if (row.equality) {
       // At its bound it slips.
-      if (std::abs(rows[i].lambda) >= row.high) continue;
+      if (std::abs(row.lambda) >= row.high) continue;
       gap.bilateral = true;
     }
     // What rests needs in this step what it needed in the last.
     if (close)
       gap.position_impulse =
-          gap.bilateral ? rows[i].position_impulse : std::max(rows[i].position_impulse, 0.0);
+          gap.bilateral ? row.position_impulse : std::max(row.position_impulse, 0.0);
     gaps_.push_back(gap);
     needed = needed || gap.error > 0.0 || (gap.bilateral && gap.error != 0.0);
   }
@@ -599,22 +602,19 @@ bool Island::measure_gaps(double h, std::vector<Row>& set_rows) {
 // nanometres in turn would walk away on them. Of a face two points are enough.
 void Island::hold_sticking(double h) {
   constexpr double kSticks = 0.99;  // of the cone
-  for (std::size_t i = contacts; i < blocks.size(); ++i) {
-    const RowBlock& block = blocks[i];
-    if (block.friction <= 0.0) continue;
-    const std::size_t k = i - contacts;
-    if (block.friction_kind == FrictionKind::point && k >= 2 && pairs[k] == pairs[k - 2]) continue;
-    const IslandRow* const row = &rows[std::size_t(block.first_row)];
-    double load = row[0].lambda;
-    if (block.friction_kind != FrictionKind::point) load += rows[std::size_t(block.partner)].lambda;
-    const bool twist = block.friction_kind == FrictionKind::twist;
-    const double bound = kSticks * block.friction * load * (twist ? block.lever : 1.0);
+  for (const ContactRows& contact : contacts) {
+    if (contact.friction <= 0.0) continue;
+    if (contact.kind == FrictionKind::point && contact.in_pair >= 2) continue;
+    const Row* const row = &rows[std::size_t(contact.first)];
+    const bool twist = contact.kind == FrictionKind::twist;
+    const double bound =
+        kSticks * contact.friction * load_of(contact) * (twist ? contact.lever : 1.0);
     const double second = twist ? 0.0 : row[2].lambda;
     if (row[1].lambda * row[1].lambda + second * second >= bound * bound) continue;
     for (int n = 1; n < (twist ? 2 : 3); ++n) {
       if (row[n].diagonal <= 0.0) continue;  // guided across
       Gap hold;
-      hold.row = block.first_row + n;
+      hold.row = contact.first + n;
       hold.bilateral = true;
       // What the last sweep left of sliding is taken back, or it would add up to a creep.
       hold.error = -h * (row[n].bias + along(row[n], v.data()));
@@ -624,11 +624,13 @@ void Island::hold_sticking(double h) {
   }
 }
 
-void Island::solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows) {
-  if (is_free_body_island_) return free_body_island_.solve_positions(options, h, rows, set_rows, p);
-  if (!measure_gaps(h, set_rows)) return;
+void Island::solve_positions(const SolverOptions& options, double h) {
+  if (is_free_body_island_) return free_body_island_.solve_positions(options, h, rows, p);
+  const bool needed = measure_gaps(h);
   const std::size_t normals = gaps_.size();
-  hold_sticking(h);
+  if (needed) hold_sticking(h);
+  for (Row& row : rows) row.position_impulse = 0.0;
+  if (!needed) return;
   // A velocity tolerance times the step is a negligible displacement.
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const bool large = rows.size() > kSmall;
@@ -645,7 +647,7 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
   double before = std::numeric_limits<double>::infinity();
   double warm_start_scale = 0.0;  // of the position impulses, for the next step
   const auto relax_gap = [&](Gap& gap) {
-    const IslandRow& row = rows[std::size_t(gap.row)];
+    const Row& row = rows[std::size_t(gap.row)];
     double impulse = gap.position_impulse + (gap.error - along(row, p.data())) / row.diagonal;
     if (!gap.bilateral) impulse = std::max(impulse, 0.0);
     const double d = impulse - gap.position_impulse;
@@ -681,10 +683,9 @@ void Island::solve_positions(const SolverOptions& options, double h, std::vector
     if (change < tolerance) break;
   }
   for (const Gap& gap : gaps_) {
-    const IslandRow& row = rows[std::size_t(gap.row)];
-    Row& out = set_rows[std::size_t(row.set_row)];
-    out.position_impulse = warm_start_scale * gap.position_impulse;
-    out.gap_change = along(row, p.data());
+    Row& row = rows[std::size_t(gap.row)];
+    row.position_impulse = warm_start_scale * gap.position_impulse;
+    row.gap_change = along(row, p.data());
   }
 }
 

@@ -38,35 +38,6 @@ struct SolverOptions {
   double bounce_threshold = 0.05;  ///< impacts that are slower do not bounce [m/s]
 };
 
-/// A row of an island. `numbers`: J and W of the first side, then those of the second.
-struct IslandRow {
-  const double* numbers = nullptr;
-  int at[2] = {0, 0};        ///< first entry of a side among the island's speeds
-  int size[2] = {0, 0};      ///< 0: no such side
-  int set_row = 0;           ///< in RowSet::rows
-  bool free_bodies = false;  ///< each of its sides is one free body
-  double bias = 0.0, gamma = 0.0;
-  double inverse = 0.0;   ///< 1 / (diagonal + gamma)
-  double diagonal = 0.0;  ///< of A
-  double low = 0.0, high = 0.0;
-  double lambda = 0.0;
-  double position_impulse = 0.0;  ///< warm start
-};
-
-/// Rows that are relaxed together.
-struct RowBlock {
-  enum class Kind { scalar, ball, contact } kind = Kind::scalar;
-  int first_row = 0;
-  int partner = 0;  ///< patch, twist: the normal of the other point
-  FrictionKind friction_kind = FrictionKind::point;
-  double friction = 0.0;  ///< ball: the bound
-  double lever = 0.0;
-  double rolling = 0.0, spinning = 0.0;  ///< as in ContactRows
-  int turning = 0;                       ///< first of the rows against rolling and spinning
-  int normal_block = -1;                 ///< solved before this contact's friction; -1: none
-  bool in_normal_block = false;  ///< the normal has been solved with those of an earlier contact
-};
-
 /// The normals of a resting pair: one by one their shares of the load converge slowly, because each
 /// point yields little (see README).
 struct NormalBlock {
@@ -81,38 +52,33 @@ struct NormalBlock {
   Eigen::Matrix4d A_inverse = Eigen::Matrix4d::Zero();
 };
 
-/// Components that rows couple, and all their rows.
-class Island {
+/// Components that rows couple, and all their rows, those of joints first.
+class Island : public RowSet {
  public:
-  std::vector<IslandRow> rows;
-  std::vector<RowBlock> blocks;  ///< joints' first
-  std::size_t contacts = 0;      ///< where those of contacts begin
-  std::vector<int> speeds;       ///< of each speed, where it is in arrays over all components
-  std::vector<int> pairs;        ///< pair id of each contact's block
   std::vector<const Component*> components;
-  std::vector<double> v;  ///< change of the speeds
-  std::vector<double> p;  ///< displacement; empty: none
+  std::vector<int> speeds;  ///< of each speed, where it is in arrays over all components
+  std::vector<double> v;    ///< change of the speeds
+  std::vector<double> p;    ///< displacement; empty: none
 
   void clear();
-  /// Precomputes data for the sweeps. Call it after all rows and blocks are added.
-  void prepare();
+  /// After all rows are added, gives them places among the speeds; `start`: of each of `all`, -1 before it has one.
+  void place_rows(const std::vector<Component>& all, std::vector<int>& start);
   /// Velocity stage, from the impulses in the rows, which are not in `v` yet, impact after impact.
-  void solve_velocities(const SolverOptions& options, double h, std::vector<Row>& set_rows);
-  /// Position stage, after the other: fills `p`, and the gaps in `set_rows`, the rows of all
-  /// islands. `h` [s]: the step.
-  void solve_positions(const SolverOptions& options, double h, std::vector<Row>& set_rows);
+  void solve_velocities(const SolverOptions& options, double h);
+  /// Position stage, after the other: fills `p`, and the gaps in the rows. `h` [s]: the step.
+  void solve_positions(const SolverOptions& options, double h);
+  /// Of the rows with a gap, from displacements over all components.
+  void measure_gap_changes(const double* displacement);
 
  private:
+  // Precomputes data for the sweeps.
+  void prepare();
   int solve_velocities(const SolverOptions& options);
   // The same, with less restitution where impacts would add energy.
-  void solve_impacts(const SolverOptions& options, const std::vector<Row>& set_rows);
-  // One beyond the last row of a block.
-  std::size_t end_of(std::size_t block) const {
-    return block + 1 < blocks.size() ? std::size_t(blocks[block + 1].first_row) : rows.size();
-  }
-  bool impacts_add_energy(const std::vector<Row>& set_rows) const;
+  void solve_impacts(const SolverOptions& options);
+  bool impacts_add_energy() const;
   // Takes up contacts that wait and are closed by what was solved; false: there is none.
-  bool pass_impacts_on(double bounce_threshold, double h, bool last, std::vector<Row>& set_rows);
+  bool pass_impacts_on(double bounce_threshold, double h, bool last);
   void make_normal_blocks();
   // A row with a gap, or one that sticks: how far it is from its target, and the multiplier
   // of its displacement.
@@ -132,11 +98,11 @@ class Island {
   template <class Rows>
   bool is_worse_than_none() const;
   template <class Rows>
-  double relax_contact(const RowBlock& block);
+  double relax_contact(const ContactRows& contact);
   template <class Rows>
-  double relax_turning(const RowBlock& block);
+  double relax_turning(const ContactRows& contact);
   template <class Rows>
-  double relax_ball(const RowBlock& block);
+  double relax_ball(const BallFriction& ball);
   template <class Rows>
   double relax_normal_block(const NormalBlock& normal_block);
   template <class Rows>
@@ -148,7 +114,7 @@ class Island {
   // Changes nothing where it does not converge; see direct.cpp.
   class NewtonProblem;
   bool solve_directly(double tolerance);
-  bool measure_gaps(double h, std::vector<Row>& set_rows);
+  bool measure_gaps(double h);
   void hold_sticking(double h);
 
   bool is_free_body_island_ = false;
@@ -156,7 +122,6 @@ class Island {
   std::vector<NormalBlock> normal_blocks_;
   std::vector<Gap> gaps_;
   ConjugateSteps<double, double> steps_;
-  std::vector<Row::Impact> impacts_;  ///< by row
   std::vector<double> start_, warm_;  ///< v and impulses before the impacts
   std::vector<double> earlier_;       ///< impulses of impacts that are over, by row
   std::vector<double> v0_;            ///< v without impulses

@@ -98,6 +98,19 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   }
 }
 
+double* NumberPool::take(int count) {
+  constexpr std::size_t kBlock = 4096;
+  const std::size_t size = std::size_t(count);
+  if (block_ < blocks_.size() && used_ + size > blocks_[block_].size()) {
+    ++block_;
+    used_ = 0;
+  }
+  if (block_ == blocks_.size()) blocks_.emplace_back(std::max(kBlock, size));
+  double* const out = &blocks_[block_][used_];
+  used_ += size;
+  return out;
+}
+
 void RowSet::clear() {
   rows.clear();
   scalars.clear();
@@ -121,139 +134,133 @@ int RowBuilder::local_of(int component, int speed) const {
   return int(std::find(speeds.begin(), speeds.end(), speed) - speeds.begin());
 }
 
-Row& RowBuilder::next_row() {
-  if (grows_) set_.rows.emplace_back();
-  return set_.rows[end_.rows++];
-}
-
-std::size_t RowBuilder::next_numbers(std::size_t count) {
-  const std::size_t first = end_.pool;
-  end_.pool += count;
-  if (grows_) set_.pool.resize(end_.pool);
-  return first;
-}
-
-RowEnds RowBuilder::measure_contact(int body_a, int body_b, const SurfacePair& surface,
-                                    const ContactLine& line) const {
-  std::size_t sides = 0;
-  for (const int body : {body_a, body_b}) {
-    const int link = mechanism_.body_link(body);
-    sides += link >= 0 && mechanism_.links()[std::size_t(link)].component >= 0;
+double RowBuilder::along(const Row& row, const double* v) const {
+  double sum = 0.0;
+  for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
+    const double* const j = row.j(s);
+    const double* const x = v + mechanism_.components()[std::size_t(row.component[s])].offset;
+    for (int k = 0; k < row.size[s]; ++k) sum += j[k] * x[k];
   }
-  const std::size_t rows = (surface.friction <= 0.0 ? 1
-                            : line.second           ? 2
-                                                    : 3) +
-                           (surface.rolling_friction > 0.0 ? 2 : 0) +
-                           (surface.spinning_friction > 0.0 ? 1 : 0);
-  return {rows, 12 * sides * rows, 1};
+  return sum;
 }
 
-// J and W of a free body in closed form.
-void RowBuilder::add_free_body_side(Row& row, int component, const Spatial& wrench, double sign) {
-  const Component& c = mechanism_.components()[std::size_t(component)];
-  double* const j = &set_.pool[next_side(row, component).j];
-  const Vec3 spin = c.inverse_inertia * wrench.angular;
-  for (int k = 0; k < 3; ++k) {
-    j[k] = sign * wrench.angular[k];
-    j[3 + k] = sign * wrench.linear[k];
-    j[6 + k] = sign * spin[k];
-    j[9 + k] = sign * c.inverse_mass * wrench.linear[k];
-  }
-  row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
+void RowBuilder::take_numbers(Row& row) {
+  const int count = 2 * (row.size[0] + row.size[1]);
+  row.numbers = set_.pool.take(count);
+  if (!row.free_bodies) std::fill(row.numbers, row.numbers + count, 0.0);
 }
 
-RowSide& RowBuilder::next_side(Row& row, int component) {
-  const Component& c = mechanism_.components()[std::size_t(component)];
-  RowSide& side = row.side[row.sides++];
-  side.component = component;
-  side.size = c.size();
-  side.speeds = c.offset;
-  side.j = std::uint32_t(next_numbers(2 * std::size_t(side.size)));
-  return side;
-}
-
+// W of what is not a free body, whose closed form add_side() knows.
 void RowBuilder::finish_row(Row& row) {
-  for (int s = 0; s < row.sides; ++s) {
-    const RowSide& side = row.side[s];
-    Component& c = mechanism_.components()[std::size_t(side.component)];
-    const double* const j = &set_.pool[side.j];
-    double* const w = &set_.pool[side.w()];
-    if (c.is_free_body) continue;  // add_free_body_side did it
+  for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
+    Component& c = mechanism_.components()[std::size_t(row.component[s])];
+    const double* const j = row.j(s);
+    double* const w = row.w(s);
+    if (c.is_free_body) continue;
     solve_mass_often(c, j, w);
     close_loops(c, w);
-    for (int k = 0; k < side.size; ++k) row.diagonal += j[k] * w[k];
+    for (int k = 0; k < row.size[s]; ++k) row.diagonal += j[k] * w[k];
   }
 }
 
-RowBuilder::Pair RowBuilder::pair_at(int link_a, int link_b, const Vec3& point) {
+RowBuilder::Pair RowBuilder::pair_of(const Manifold& manifold) {
   Pair pair;
   for (int i = 0; i < 2; ++i) {
-    const int link = i == 0 ? link_a : link_b;
-    if (link < 0) continue;
+    const int index = manifold.link[i];
+    if (index < 0) continue;
+    const Link& link = mechanism_.links()[std::size_t(index)];
     Pair::Side& side = pair.side[i];
-    const LinkMotion& motion = motions_[std::size_t(link)];
-    side.link = link;
     side.sign = i == 0 ? -1.0 : 1.0;
-    pair.velocity += side.sign * motion.velocity_at(point);
-    const int component = mechanism_.links()[std::size_t(link)].component;
-    if (component < 0) continue;
-    Component& c = mechanism_.components()[std::size_t(component)];
-    if (c.size() == 0) continue;
+    side.motion = &motions_[std::size_t(index)];
+    if (manifold.component[i] < 0) continue;
+    Component& c = mechanism_.components()[std::size_t(manifold.component[i])];
     update_component(mechanism_, c);
     side.component = &c;
-    side.arm = point - c.origin;
+    side.position = c.is_free_body ? 0 : c.find(index);
+    pair.jointed = pair.jointed || !c.is_free_body;
+    pair.inverse_mass += 1.0 / link.mass;
   }
   return pair;
 }
 
-void RowBuilder::add_sides(Row& row, const Pair& pair, const Spatial* wrenches) {
-  for (int i = 0; i < 2; ++i) {
-    const Pair::Side& side = pair.side[i];
-    if (!side.component) continue;
-    const int component = int(side.component - mechanism_.components().data());
-    if (side.component->is_free_body) {
-      add_free_body_side(row, component, wrenches[i], side.sign);
-      continue;
-    }
-    // Two bodies of one component share a side.
-    const bool shared = row.sides == 1 && row.side[0].component == component;
-    if (!shared) next_side(row, component);
-    fill_row(*side.component, side.component->find(side.link), wrenches[i], side.sign,
-             &set_.pool[row.side[row.sides - 1].j]);
-  }
-  finish_row(row);
+Vec3 RowBuilder::Pair::velocity_at(const Vec3& point) const {
+  Vec3 v = Vec3::Zero();
+  for (const Side& s : side)
+    if (s.motion) v += s.sign * s.motion->velocity_at(point);
+  return v;
 }
 
-Row& RowBuilder::add_point_row(const Pair& pair, const Vec3& direction) {
+void RowBuilder::add_side(Row& row, const Pair::Side& side, const Spatial& wrench) {
+  const Component& c = *side.component;
+  const int s = row.component[0] == int(side.component - mechanism_.components().data()) ? 0 : 1;
+  double* const j = row.j(s);
+  if (!c.is_free_body) {
+    fill_row(c, side.position, wrench, side.sign, j);
+    return;
+  }
+  double* const w = row.w(s);
+  const Vec3 spin = c.inverse_inertia * wrench.angular;
+  for (int k = 0; k < 3; ++k) {
+    j[k] = side.sign * wrench.angular[k];
+    j[3 + k] = side.sign * wrench.linear[k];
+    w[k] = side.sign * spin[k];
+    w[3 + k] = side.sign * c.inverse_mass * wrench.linear[k];
+  }
+  row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
+}
+
+// With the pair's sides and their numbers.
+Row& RowBuilder::add_pair_row(const Pair& pair) {
   Row& row = next_row();
-  const Spatial wrenches[2] = {{pair.side[0].arm.cross(direction), direction},
-                               {pair.side[1].arm.cross(direction), direction}};
-  add_sides(row, pair, wrenches);
-  row.now = direction.dot(pair.velocity);
+  int count = 0;
+  for (const Pair::Side& side : pair.side) {
+    if (!side.component) continue;
+    const int component = int(side.component - mechanism_.components().data());
+    // Two bodies of one component share a side.
+    if (count == 1 && row.component[0] == component) continue;
+    row.component[count] = component;
+    row.size[count++] = side.component->size();
+    row.free_bodies = row.free_bodies && side.component->is_free_body;
+  }
+  take_numbers(row);
+  return row;
+}
+
+Row& RowBuilder::add_point_row(const Pair& pair, const Vec3& point, const Vec3& velocity,
+                               const Vec3& direction) {
+  Row& row = add_pair_row(pair);
+  for (const Pair::Side& side : pair.side)
+    if (side.component)
+      add_side(row, side, {(point - side.component->origin).cross(direction), direction});
+  if (!row.free_bodies) finish_row(row);
+  row.now = direction.dot(velocity);
   return row;
 }
 
 Row& RowBuilder::add_twist_row(const Pair& pair, const Vec3& axis) {
-  Row& row = next_row();
-  const Spatial about{axis, Vec3::Zero()};
-  const Spatial wrenches[2] = {about, about};
-  add_sides(row, pair, wrenches);
-  for (const Pair::Side& side : pair.side)
-    if (side.link >= 0) row.now += side.sign * axis.dot(motions_[std::size_t(side.link)].angular);
-  row.inverse_diagonal = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
+  Row& row = add_pair_row(pair);
+  for (const Pair::Side& side : pair.side) {
+    if (side.component) add_side(row, side, {axis, Vec3::Zero()});
+    if (side.motion) row.now += side.sign * axis.dot(side.motion->angular);
+  }
+  if (!row.free_bodies) finish_row(row);
+  row.inverse = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
   return row;
 }
 
 Row& RowBuilder::add_axis_row(const StepContext& context, int component, int local, double sign) {
   Component& c = mechanism_.components()[std::size_t(component)];
   update_component(mechanism_, c);
-  set_.scalars.push_back(int(end_.rows));
+  set_.scalars.push_back(int(set_.rows.size()));
   Row& row = next_row();
-  const RowSide& side = next_side(row, component);
+  row.component[0] = component;
+  row.size[0] = c.size();
+  row.free_bodies = false;
+  take_numbers(row);
   if (local >= 0) {
-    set_.pool[side.j + std::size_t(local)] = sign;
+    row.j(0)[local] = sign;
     row.effort_sign = sign;
-    row.now = set_.along(row, context.u);
+    row.now = along(row, context.u);
     finish_row(row);
   }
   return row;
@@ -276,7 +283,7 @@ void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<Ax
     if (!model.couplings[i].removed) add_coupling(context, int(i));
   for (int index : set_.scalars) {
     Row& row = set_.rows[std::size_t(index)];
-    row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
+    row.inverse = 1.0 / (row.diagonal + row.gamma);
   }
 }
 
@@ -299,14 +306,14 @@ void RowBuilder::add_limits(const StepContext& context, int joint_index) {
           add_axis_row(context, component, local_of(component, speed), end == 0 ? 1.0 : -1.0);
       const double h = context.h;
       Approach approach;
-      approach.speed = row.now - 0.5 * h * set_.along(row, context.start_udot);
+      approach.speed = row.now - 0.5 * h * along(row, context.start_udot);
       approach.gap = gap - 0.5 * h * approach.speed;
-      approach.acceleration = set_.along(row, context.udot);
+      approach.acceleration = along(row, context.udot);
       aim_unilateral(context, approach, row);
       row.effort = joint.speed_offset + a;
       row.slot = slot_of(mechanism_.model(),
                          end == 0 ? SlotKind::lower_limit : SlotKind::upper_limit, row.effort);
-      row.inverse_diagonal = 1.0 / row.diagonal;
+      row.inverse = 1.0 / row.diagonal;
     }
   }
 }
@@ -327,17 +334,17 @@ void RowBuilder::add_ball_limit(const StepContext& context, int joint_index) {
       mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
   Row& row = add_axis_row(context, component, -1, 1.0);
   const int local = local_of(component, first);
-  for (int k = 0; k < 3; ++k) set_.pool[row.side[0].j + std::size_t(local + k)] = direction[k];
-  row.now = set_.along(row, context.u);
+  for (int k = 0; k < 3; ++k) row.j(0)[local + k] = direction[k];
+  row.now = along(row, context.u);
   finish_row(row);
   Approach approach;
-  approach.speed = row.now - 0.5 * context.h * set_.along(row, context.start_udot);
+  approach.speed = row.now - 0.5 * context.h * along(row, context.start_udot);
   approach.gap = gap - 0.5 * context.h * approach.speed;
-  approach.acceleration = set_.along(row, context.udot);
+  approach.acceleration = along(row, context.udot);
   aim_unilateral(context, approach, row);
   row.slot = slot_of(mechanism_.model(), SlotKind::upper_limit, joint.speed_offset);
-  row.inverse_diagonal = 1.0 / row.diagonal;
-  set_.ball_limits.push_back({int(end_.rows) - 1, joint.speed_offset, direction});
+  row.inverse = 1.0 / row.diagonal;
+  set_.ball_limits.push_back({int(set_.rows.size()) - 1, joint.speed_offset, direction});
 }
 
 void RowBuilder::add_friction(const StepContext& context, int joint_index) {
@@ -347,7 +354,7 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
   const int component =
       mechanism_.links()[std::size_t(mechanism_.joint_link(joint_index))].component;
   if (ball && joint.axes[0].friction > 0.0)
-    set_.balls.push_back({int(end_.rows), joint.axes[0].friction * context.h});
+    set_.balls.push_back({int(set_.rows.size()), joint.axes[0].friction * context.h});
   for (int a = 0; a < count; ++a) {
     const double friction = joint.axes[std::size_t(ball ? 0 : a)].friction;
     if (friction <= 0.0) continue;
@@ -358,13 +365,13 @@ void RowBuilder::add_friction(const StepContext& context, int joint_index) {
     row.low = -row.high;
     row.effort = joint.speed_offset + a;
     row.slot = slot_of(mechanism_.model(), SlotKind::friction, row.effort);
-    row.inverse_diagonal = 1.0 / row.diagonal;
+    row.inverse = 1.0 / row.diagonal;
   }
   if (!ball || joint.axes[0].friction <= 0.0) return;
   // One step length for all three: else the effort at the bound would not oppose the motion.
-  Row* const rows = &set_.rows[end_.rows - 3];
+  Row* const rows = &set_.rows[set_.rows.size() - 3];
   const double most = std::max({rows[0].diagonal, rows[1].diagonal, rows[2].diagonal});
-  for (int k = 0; k < 3; ++k) rows[k].inverse_diagonal = 1.0 / most;
+  for (int k = 0; k < 3; ++k) rows[k].inverse = 1.0 / most;
 }
 
 void RowBuilder::add_law(const StepContext& context, const AxisLaw& law) {
@@ -404,12 +411,12 @@ void RowBuilder::add_coupling(const StepContext& context, int index) {
   const auto add = [&](int joint, double factor) {
     const int speed = mechanism_.axis_speed(joint, 0);
     if (speed < 0) return;
-    set_.pool[row.side[0].j + std::size_t(local_of(component, speed))] += factor;
+    row.j(0)[local_of(component, speed)] += factor;
     gap += factor * mechanism_.state.q()[mechanism_.axis_position(joint, 0)];
   };
   add(coupling.joint, 1.0);
   for (const CouplingTerm& term : coupling.terms) add(term.joint, -term.ratio);
-  row.now = set_.along(row, context.u);
+  row.now = along(row, context.u);
   finish_row(row);
   row.coupling = index;
   row.slot = slot_of(mechanism_.model(), SlotKind::coupling, index);
@@ -419,83 +426,98 @@ void RowBuilder::add_coupling(const StepContext& context, int index) {
   row.gap = gap + 0.5 * context.h * row.now;
 }
 
-bool RowBuilder::jointed(int link) const {
-  const int component = link < 0 ? -1 : mechanism_.links()[std::size_t(link)].component;
-  return component >= 0 && !mechanism_.components()[std::size_t(component)].is_free_body;
-}
-
 // One step length for two rows of a disc: else the impulse at the bound would not oppose the motion.
 void RowBuilder::share_step_length(int first) {
   Row* const rows = &set_.rows[std::size_t(first)];
   const double most = std::max(rows[0].diagonal, rows[1].diagonal);
-  rows[0].inverse_diagonal = rows[1].inverse_diagonal = most > 0.0 ? 1.0 / most : 0.0;
+  rows[0].inverse = rows[1].inverse = most > 0.0 ? 1.0 / most : 0.0;
 }
 
-void RowBuilder::add_contact(const StepContext& context, const ContactPoint& point, int body_a,
-                             int body_b, const SurfacePair& surface, const ContactLine& line,
-                             const Vec3& surface_velocity, const Vec3& turning,
-                             const Vec3& friction_turning) {
-  const int link_a = mechanism_.body_link(body_a), link_b = mechanism_.body_link(body_b);
-  ContactRows contact;
-  contact.first = int(end_.rows);
+void RowBuilder::add_contacts(const StepContext& context, const Manifold& manifold,
+                              const ContactMotion* motions) {
+  const Pair pair = pair_of(manifold);
+  const std::size_t rows = set_.rows.size(), before = set_.contacts.size();
+  for (const ContactPoint* point = manifold.first; point != manifold.end; ++point)
+    if (add_contact(context, manifold, pair, *point, motions))
+      set_.contacts.back().in_pair = int(set_.contacts.size() - before) - 1;
+  if (!manifold.is_line || set_.contacts.size() != before + 1) return;
+  // One end of the line is held: the other is a point.
+  set_.rows.resize(rows);
+  set_.contacts.resize(before);
+  Manifold points = manifold;
+  points.is_line = false;
+  add_contacts(context, points, motions);
+}
+
+bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifold, const Pair& pair,
+                             const ContactPoint& point, const ContactMotion* motions) {
+  const SurfacePair& surface = *manifold.surface;
+  const int first = int(set_.rows.size());
+  const Vec3& n = point.normal;
+  const Vec3 velocity = pair.velocity_at(point.point);
+  Row& row = add_point_row(pair, point.point, velocity, n);
+  // Joints may hold a body such that it cannot yield: what remains is rounding, not a mass.
+  if (row.diagonal <= kHeld * pair.inverse_mass) {
+    set_.rows.pop_back();
+    return false;
+  }
+  const int at = int(&point - manifold.first);
+  const Vec3& turning = motions[at].turning;
+  Approach approach;
+  const double h = context.h;
+  row.deep = point.gap < -kTouching && pair.jointed;
+  approach.restitution = surface.restitution;
+  approach.turning = turning.dot(n);
+  approach.speed = row.now - 0.5 * h * (along(row, context.start_udot) + approach.turning);
+  approach.gap = point.gap - 0.5 * h * (approach.speed + 0.25 * h * approach.turning);
+  approach.acceleration = along(row, context.udot) + approach.turning;
+  aim_unilateral(context, approach, row);
+  if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
+  row.inverse = 1.0 / (row.diagonal + row.gamma);
+  const double along_turn = row.hits ? 0.0 : 0.5 * h;
+
+  const int index = int(set_.contacts.size());
+  ContactRows& contact = set_.contacts.emplace_back();
+  contact.first = first;
+  contact.point = &point;
   contact.friction = surface.friction;
   contact.rolling = surface.rolling_friction;
   contact.spinning = surface.spinning_friction;
-  contact.point = point;
   // Tangents depend on the normal alone.
-  const Vec3& n = point.normal;
   const Vec3 least = std::abs(n[0]) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
   contact.tangent1 = (least - n * n.dot(least)).normalized();
   contact.tangent2 = n.cross(contact.tangent1);
-
-  const Pair pair = pair_at(link_a, link_b, point.point);
-  Row& row = add_point_row(pair, n);
-  // Joints may hold a body such that it cannot yield: what remains is rounding, not a mass.
-  double free = 0.0;
-  for (int i = 0; i < 2; ++i)
-    if (pair.yields(i)) free += 1.0 / mechanism_.links()[std::size_t(pair.side[i].link)].mass;
-  if (row.sides == 0 || row.diagonal <= kHeld * free) {
-    set_.rows.pop_back();
-    --end_.rows;
-    return;
-  }
-  Approach approach;
-  const double h = context.h;
-  row.deep = point.gap < -kTouching && (jointed(link_a) || jointed(link_b));
-  approach.restitution = surface.restitution;
-  approach.turning = turning.dot(n);
-  approach.speed = row.now - 0.5 * h * (set_.along(row, context.start_udot) + approach.turning);
-  approach.gap = point.gap - 0.5 * h * (approach.speed + 0.25 * h * approach.turning);
-  approach.acceleration = set_.along(row, context.udot) + approach.turning;
-  aim_unilateral(context, approach, row);
-  if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
-  row.inverse_diagonal = 1.0 / (row.diagonal + row.gamma);
-  const int index = int(end_.contacts);
   // Friction acts where the surfaces meet in the impact. If one of the
   // two yields to no force, that is the surface of the other; if both yield, it is halfway between,
   // which conserves angular momentum.
-  Vec3 at = point.point;
-  if (pair.yields(0) != pair.yields(1)) at += (pair.yields(1) ? 0.5 : -0.5) * point.gap * n;
-  if (line.other) {
-    contact.kind = line.second ? FrictionKind::twist : FrictionKind::patch;
-    contact.partner = line.second ? index - 1 : index + 1;
-    at += 0.5 * (line.other->point - point.point);
+  Vec3 where = point.point, friction_turning = turning;
+  bool moved = false;
+  if (pair.yields(0) != pair.yields(1)) {
+    where += (pair.yields(1) ? 0.5 : -0.5) * point.gap * n;
+    moved = true;
+  }
+  if (manifold.is_line) {
+    const ContactPoint& other = manifold.first[1 - at];
+    contact.kind = at == 1 ? FrictionKind::twist : FrictionKind::patch;
+    contact.partner = index + (at == 1 ? -1 : 1);
+    where += 0.5 * (other.point - point.point);
+    friction_turning = 0.5 * (turning + motions[1 - at].turning);
+    moved = true;
     // A load spread evenly along the line: the mean distance from its middle.
-    contact.lever = 0.25 * (point.point - line.other->point).norm();
+    contact.lever = 0.25 * (point.point - other.point).norm();
   }
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
     add_twist_row(pair, n);
   } else if (contact.friction > 0.0) {
-    const double along_turn = set_.rows[std::size_t(contact.first)].hits ? 0.0 : 0.5 * h;
-    const Pair there = pair_at(link_a, link_b, at);
+    const Vec3 there = moved ? pair.velocity_at(where) : velocity;
+    const Vec3 against = motions[at].surface + along_turn * friction_turning;
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
-      add_point_row(there, t).target = -t.dot(surface_velocity + along_turn * friction_turning);
-    share_step_length(contact.first + 1);
+      add_point_row(pair, where, there, t).target = -t.dot(against);
+    share_step_length(first + 1);
   }
   for (int i = 0; i < contact.turning_rows(); ++i) add_twist_row(pair, contact.turning_axis(i));
   if (contact.rolling > 0.0) share_step_length(contact.first_turning());
-  if (grows_) set_.contacts.emplace_back();
-  set_.contacts[end_.contacts++] = contact;
+  return true;
 }
 
 }  // namespace cogrsim::dynamics

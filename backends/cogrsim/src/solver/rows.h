@@ -13,28 +13,25 @@ namespace cogrsim::dynamics {
 
 using geometry::ContactPoint;
 
-/// Numbers of a row that concern one component: J and W = M^-1 J^T, in the pool of the set.
-struct RowSide {
-  int component = -1;
-  int size = 0;
-  int speeds = 0;       ///< first entry in arrays over all components
-  std::uint32_t j = 0;  ///< of J in RowSet::pool; W comes after it
-  std::size_t w() const { return std::size_t(j) + std::size_t(size); }
+/// Memory for the numbers of rows; what it gave stays where it is until clear().
+class NumberPool {
+ public:
+  double* take(int count);
+  void clear() { block_ = used_ = 0; }
+
+ private:
+  std::vector<std::vector<double>> blocks_;
+  std::size_t block_ = 0, used_ = 0;
 };
 
 /// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the
-/// step.
+/// step. It concerns one component or two, its sides.
 struct Row {
-  RowSide side[2];
-  int sides = 0;
-  double now = 0.0;       ///< J u at the middle of the step, motion of kinematic bodies included
-  double diagonal = 0.0;  ///< J M^-1 J^T + gamma
-  double inverse_diagonal = 0.0;
-  double gamma = 0.0;
-  double target = 0.0;
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  double lambda = 0.0;  ///< impulse [N s] or [N m s]
+  double* numbers = nullptr;      ///< J and W = M^-1 J^T of the first side, then those of the second
+  int component[2] = {-1, -1};    ///< of each side
+  int size[2] = {0, 0};           ///< its speeds; 0: no such side
+  int at[2] = {0, 0};             ///< the first of them among the speeds of the island
+  bool free_bodies = true;        ///< each side is one free body
 
   // Position stage: the gap at the end of the step is `gap` + J (h/2 dv + p), p a displacement.
   bool has_gap = false;
@@ -44,10 +41,20 @@ struct Row {
   bool hits = false;       ///< its impulse is that of an impact
   /// Of a contact with restitution: it bounces, or it is open by the end, unless an impact closes it.
   enum class Impact : std::uint8_t { none, waits, bounces } impact = Impact::none;
-  double restitution = 0.0;
   bool stays =
       false;  ///< without the impulses the gap is closed by the end, and it shall not bounce
   bool deep = false;  ///< joints hold the bodies, which overlap
+
+  double now = 0.0;       ///< J u at the middle of the step, motion of kinematic bodies included
+  double target = 0.0;
+  double bias = 0.0;      ///< now - target
+  double gamma = 0.0;
+  double diagonal = 0.0;  ///< J M^-1 J^T
+  double inverse = 0.0;   ///< 1 / (diagonal + gamma)
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  double lambda = 0.0;  ///< impulse [N s] or [N m s]
+  double restitution = 0.0;
   double gap = 0.0;
   double gap_target = 0.0;
   double position_impulse = 0.0;  ///< multiplier of the displacement [N s^2]; before: warm start
@@ -55,10 +62,13 @@ struct Row {
 
   // A joint's rows: where efforts and warm starts are stored.
   int effort = -1;  ///< flat speed index
-  double effort_sign = 1.0;
   int motor = -1;
   int coupling = -1;
   int slot = -1;  ///< of the warm-start memory
+  double effort_sign = 1.0;
+
+  double* j(int side) const { return numbers + 2 * side * size[0]; }
+  double* w(int side) const { return j(side) + size[side]; }
 };
 
 /// How the friction of a contact point is made up.
@@ -72,12 +82,15 @@ enum class FrictionKind {
 /// against rolling, about the tangents, and one against spinning, about the normal.
 struct ContactRows {
   int first = 0;
+  FrictionKind kind = FrictionKind::point;
   double friction = 0.0;
   double rolling = 0.0, spinning = 0.0;  ///< largest torque per load [m]
-  FrictionKind kind = FrictionKind::point;
-  int partner = -1;    ///< contact with the other point of the line; patch and twist only
   double lever = 0.0;  ///< twist: torque per load and friction [m]
-  ContactPoint point;
+  int partner = -1;    ///< contact with the other point of the line; patch and twist only
+  int in_pair = 0;     ///< its place among those of its pair of shapes
+  int normal_block = -1;         ///< solved before this contact's friction; -1: none
+  bool in_normal_block = false;  ///< the normal has been solved with those of an earlier contact
+  const ContactPoint* point = nullptr;
   Vec3 tangent1 = Vec3::Zero(), tangent2 = Vec3::Zero();
   int friction_rows() const {
     if (friction <= 0.0) return 0;
@@ -85,9 +98,10 @@ struct ContactRows {
   }
   int turning_rows() const { return (rolling > 0.0 ? 2 : 0) + (spinning > 0.0 ? 1 : 0); }
   int first_turning() const { return first + 1 + friction_rows(); }
+  int end() const { return first_turning() + turning_rows(); }
   /// The axis of row `i` of those against turning.
   const Vec3& turning_axis(int i) const {
-    if (rolling <= 0.0 || i == 2) return point.normal;
+    if (rolling <= 0.0 || i == 2) return point->normal;
     return i == 0 ? tangent1 : tangent2;
   }
 };
@@ -108,42 +122,28 @@ struct BallLimit {
 /// Slots of the warm-start memory of joints' rows.
 enum class SlotKind { lower_limit, upper_limit, friction, passive, motor, coupling };
 
-class RowSet {
- public:
-  void clear();
+struct RowSet {
   std::vector<Row> rows;     ///< all
   std::vector<int> scalars;  ///< joints' rows, solved one by one
   std::vector<BallFriction> balls;
   std::vector<BallLimit> ball_limits;
   std::vector<ContactRows> contacts;
-  std::vector<double> pool;
-  bool empty() const { return rows.empty(); }
-  /// Number of joints' rows, which come before those of contacts.
-  std::size_t joint_rows() const {
-    return contacts.empty() ? rows.size() : std::size_t(contacts.front().first);
-  }
-
-  /// J v for v over all components.
-  double along(const Row& row, const double* v) const {
-    double sum = 0.0;
-    for (int s = 0; s < row.sides; ++s) {
-      const RowSide& side = row.side[s];
-      const double* const j = &pool[side.j];
-      const double* const x = v + side.speeds;
-      for (int k = 0; k < side.size; ++k) sum += j[k] * x[k];
-    }
-    return sum;
-  }
-  /// v += W impulse.
-  void apply(const Row& row, double impulse, double* v) const {
-    for (int s = 0; s < row.sides; ++s) {
-      const RowSide& side = row.side[s];
-      const double* const w = &pool[side.w()];
-      double* const x = v + side.speeds;
-      for (int k = 0; k < side.size; ++k) x[k] += w[k] * impulse;
-    }
+  NumberPool pool;
+  void clear();
+  /// What presses where the friction of a contact acts.
+  double load_of(const ContactRows& contact) const {
+    const double load = rows[std::size_t(contact.first)].lambda;
+    if (contact.partner < 0) return load;
+    return load + rows[std::size_t(contacts[std::size_t(contact.partner)].first)].lambda;
   }
 };
+
+/// One beyond the last contact of the pair of shapes that has the first.
+inline std::size_t end_of_pair(const std::vector<ContactRows>& contacts, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < contacts.size() && contacts[end].in_pair > 0) ++end;
+  return end;
+}
 
 /// What the rows of a step are made from. All at the middle of the step.
 struct StepContext {
@@ -171,72 +171,66 @@ struct Approach {
 /// Fills target and position goal of a unilateral row; see README, "Unilateral conditions".
 void aim_unilateral(const StepContext& context, const Approach& approach, Row& row);
 
-/// Where rows, numbers and contacts of a set end.
-struct RowEnds {
-  std::size_t rows = 0, pool = 0, contacts = 0;
+/// The points of one pair of shapes that touch, and how.
+struct Manifold {
+  const ContactPoint *first = nullptr, *end = nullptr;
+  int link[2] = {-1, -1};
+  int component[2] = {-1, -1};  ///< that yields; -1: none
+  const SurfacePair* surface = nullptr;
+  bool is_line = false;  ///< its two points are the ends of a line
+};
+
+/// What contact needs to know beside its point.
+struct ContactMotion {
+  Vec3 surface = Vec3::Zero();  ///< see Detector::surface_velocity
+  Vec3 turning = Vec3::Zero();  ///< rate of b's velocity against a's that the speeds make: J' u [m/s^2]
 };
 
 class RowBuilder {
  public:
-  /// The mechanism's state stays while rows are added. They are added from `begin` on; the set has
-  /// entries for them already.
-  RowBuilder(Mechanism& mechanism, RowSet& set, const RowEnds& begin)
-      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()), end_(begin) {}
-  /// At the end of the set, which grows.
+  /// The mechanism's state stays while rows are added.
   RowBuilder(Mechanism& mechanism, RowSet& set)
-      : RowBuilder(mechanism, set, {set.rows.size(), set.pool.size(), set.contacts.size()}) {
-    grows_ = true;
-  }
+      : mechanism_(mechanism), set_(set), motions_(mechanism.motions()) {}
 
   /// Adds the joints' rows: limits about to be reached, friction, implicit laws.
   void add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws);
 
-  /// Adds the rows of one contact between two bodies of the model. `line`: the pair touches along a
-  /// line; this point is one end and `other` the other, which came before if `second`.
-  /// `surface_velocity`: see Detector::surface_velocity.
-  struct ContactLine {
-    const ContactPoint* other = nullptr;
-    bool second = false;
-  };
-  /// `turning`: see turning_of(); `friction_turning`: likewise where friction acts, the middle of a line.
-  void add_contact(const StepContext& context, const ContactPoint& point, int body_a, int body_b,
-                   const SurfacePair& surface, const ContactLine& line,
-                   const Vec3& surface_velocity, const Vec3& turning, const Vec3& friction_turning);
+  /// Adds the rows of a pair's points that its bodies can yield at; `motions`: of each.
+  void add_contacts(const StepContext& context, const Manifold& manifold,
+                    const ContactMotion* motions);
 
   /// Index in the warm-start memory; `index`: flat speed index, motor or coupling.
   static int slot_of(const SceneModel& model, SlotKind kind, int index);
   static int slot_count(const SceneModel& model);
 
-  /// What add_contact() adds. Of bodies that no joint holds only: then one contact, always.
-  RowEnds measure_contact(int body_a, int body_b, const SurfacePair& surface,
-                          const ContactLine& line) const;
-  bool jointed(int link) const;
-
  private:
-  Row& next_row();
-  /// Index in the pool of so many zeros.
-  std::size_t next_numbers(std::size_t count);
+  Row& next_row() { return set_.rows.emplace_back(); }
+  double along(const Row& row, const double* v) const;
   Row& add_axis_row(const StepContext& context, int component, int local, double sign);
-  // Two links at a point of both.
+  // Two links that touch.
   struct Pair {
     struct Side {
       Component* component = nullptr;  // of the link; none: it does not yield
-      int link = -1;
+      int position = 0;                // in its links
       double sign = 1.0;
-      Vec3 arm = Vec3::Zero();  // from the component's origin
+      const LinkMotion* motion = nullptr;  // none: the world
     } side[2];
-    Vec3 velocity = Vec3::Zero();  // of b against a
+    bool jointed = false;
+    double inverse_mass = 0.0;  // of those that yield, together
     bool yields(int i) const { return side[i].component != nullptr; }
+    Vec3 velocity_at(const Vec3& point) const;  // of b against a
   };
-  Pair pair_at(int link_a, int link_b, const Vec3& point);
+  Pair pair_of(const Manifold& manifold);
+  bool add_contact(const StepContext& context, const Manifold& manifold, const Pair& pair,
+                   const ContactPoint& point, const ContactMotion* motions);
+  Row& add_pair_row(const Pair& pair);
   // Velocity of the pair's point along `direction`, or spin about it.
-  Row& add_point_row(const Pair& pair, const Vec3& direction);
+  Row& add_point_row(const Pair& pair, const Vec3& point, const Vec3& velocity,
+                     const Vec3& direction);
   Row& add_twist_row(const Pair& pair, const Vec3& axis);
-  void add_sides(Row& row, const Pair& pair, const Spatial* wrenches);
-  /// Another side of a row, with memory for its numbers.
-  RowSide& next_side(Row& row, int component);
+  void add_side(Row& row, const Pair::Side& side, const Spatial& wrench);
+  void take_numbers(Row& row);
   void share_step_length(int first);
-  void add_free_body_side(Row& row, int component, const Spatial& wrench, double sign);
   void finish_row(Row& row);
   void add_limits(const StepContext& context, int joint);
   void add_ball_limit(const StepContext& context, int joint);
@@ -248,8 +242,6 @@ class RowBuilder {
   Mechanism& mechanism_;
   RowSet& set_;
   const std::vector<LinkMotion>& motions_;
-  RowEnds end_;
-  bool grows_ = false;
 };
 
 }  // namespace cogrsim::dynamics
