@@ -91,9 +91,10 @@ Vec3 position_impulse_of(const RowSet& set, const ContactRows& contact) {
 
 }  // namespace
 
-Contacts::Contacts(Mechanism& mechanism, Detector& detector, WorkerPool* pool)
+Contacts::Contacts(Mechanism& mechanism, Detector& detector, double tolerance, WorkerPool* pool)
     : mechanism_(mechanism),
       detector_(detector),
+      tolerance_(tolerance),
       pool_(pool),
       margins_(mechanism.links().size(), 0.0) {
   for (const Link& link : mechanism.links())
@@ -220,15 +221,24 @@ Vec3 Contacts::convective_acceleration(int index, const Vec3& point) const {
   return bias_at(c, c.find(index), motion, point);
 }
 
-Vec3 Contacts::turning_of(const Manifold& manifold, const ContactPoint& point, double h) const {
+// Of velocity, and of what the speeds make of it.
+ContactMotion Contacts::motion_at(const Manifold& manifold, const ContactPoint& point,
+                                  double h) const {
   static const LinkMotion rest;
   const std::vector<LinkMotion>& motions = mechanism_.motions();
   const auto [link_a, link_b] = manifold.link;
   const LinkMotion& motion_a = link_a < 0 ? rest : motions[std::size_t(link_a)];
   const LinkMotion& motion_b = link_b < 0 ? rest : motions[std::size_t(link_b)];
+  ContactMotion out;
+  out.surface = detector_.surface_velocity(point);
   const Vec3& n = point.normal;
   const Vec3 v = motion_b.velocity_at(point.point) - motion_a.velocity_at(point.point);
+  out.velocity = v;
   const Vec3 slip = v - n.dot(v) * n;
+  const double turn2 = std::max(motion_a.angular.squaredNorm(), motion_b.angular.squaredNorm());
+  // No surface is straighter than kStraight or sharper than kSharp. What changes velocities by less than a tenth of
+  // what the sweeps leave is none.
+  if (kStraight * turn2 + slip.squaredNorm() / kSharp < 0.1 * tolerance_ / h) return out;
   const ContactRates rates =
       find_contact_rates(detector_.colliders()[std::size_t(point.collider_a)],
                          detector_.colliders()[std::size_t(point.collider_b)], point,
@@ -238,17 +248,17 @@ Vec3 Contacts::turning_of(const Manifold& manifold, const ContactPoint& point, d
                        motion_b.angular.cross(rates.on_b) - motion_a.angular.cross(rates.on_a) +
                        rates.normal.dot(slip) * n;
   // A turn of more than a radian in a step is none that a derivative continues.
-  const double turn = h * std::max(motion_a.angular.norm(), motion_b.angular.norm());
-  const double share = 1.0 / (1.0 + turn * turn * turn * turn);
-  return turning.allFinite() && std::isfinite(share) ? Vec3(share * turning) : Vec3::Zero();
+  const double turn = h * h * turn2;
+  const double share = 1.0 / (1.0 + turn * turn);
+  if (turning.allFinite() && std::isfinite(share)) out.turning = share * turning;
+  return out;
 }
 
 void Contacts::build_rows(const StepContext& context, const Manifold& manifold, RowSet& set) const {
   static thread_local std::vector<ContactMotion> motions;
   motions.clear();
   for (const ContactPoint* point = manifold.first; point != manifold.end; ++point)
-    motions.push_back(
-        {detector_.surface_velocity(*point), turning_of(manifold, *point, context.h)});
+    motions.push_back(motion_at(manifold, *point, context.h));
   RowBuilder(mechanism_, set).add_contacts(context, manifold, motions.data());
 }
 

@@ -37,7 +37,8 @@ struct ContactOutcome {
 
 class Contacts {
  public:
-  Contacts(Mechanism& mechanism, Detector& detector, WorkerPool* pool);
+  /// `tolerance`: what the sweeps leave of velocities [m/s].
+  Contacts(Mechanism& mechanism, Detector& detector, double tolerance, WorkerPool* pool);
 
   /// How far each body's surface may get in the time h, from speeds at the state.
   void measure_speeds(double h);
@@ -68,9 +69,7 @@ class Contacts {
  private:
   void find_manifolds(const std::vector<WarmContact>& last);
   bool is_line(const Manifold& manifold) const;
-  // Rate of the velocity of b's surface against a's, along the normal and the tangents, at a point,
-  // that the speeds make as they are: J' u [m/s^2].
-  Vec3 turning_of(const Manifold& manifold, const ContactPoint& point, double h) const;
+  ContactMotion motion_at(const Manifold& manifold, const ContactPoint& point, double h) const;
   // Of a link's point where it is now, while the mechanism's speeds stay.
   Vec3 convective_acceleration(int link, const Vec3& point) const;
   void build_rows(const StepContext& context, const Manifold& manifold, RowSet& set) const;
@@ -83,6 +82,7 @@ class Contacts {
 
   Mechanism& mechanism_;
   Detector& detector_;
+  double tolerance_;
   WorkerPool* pool_;
   bool has_shapes_ = false;
   std::vector<SurfacePair> surfaces_;  ///< (nmaterial x nmaterial)

@@ -36,7 +36,7 @@ void StepMemory::clear() {
 
 Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options)
     : mechanism_(mechanism),
-      contacts_(mechanism, detector, options.pool.get()),
+      contacts_(mechanism, detector, options.solver.tolerance, options.pool.get()),
       options_(options),
       model_(mechanism.model()),
       accelerations_(mechanism),

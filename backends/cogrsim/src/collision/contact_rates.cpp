@@ -12,11 +12,6 @@ using Vec2 = Eigen::Vector2d;
 
 // A normal this near to that of a flat face, a side or an edge is theirs [rad].
 constexpr double kAligned = 1e-4;
-// Radius of curvature of what is straight [m]: so long that what it leaves of a turn is rounding.
-constexpr double kStraight = 1e4;
-// Of a corner on a corner, which have none, neither normal is known: between the two [m].
-constexpr double kSharp = 1e-3;
-
 // A surface near a point: as its outward normal turns by d, as seen from the body, the point that has it moves by
 // R d. Flat: it moves anywhere while the normal stays.
 struct Surface {

@@ -5,6 +5,11 @@
 
 namespace cogrsim::dynamics {
 
+/// Radius of curvature of what is straight [m]: so long that what it leaves of a turn is rounding.
+inline constexpr double kStraight = 1e4;
+/// Of a corner on a corner, which have none, neither normal is known: between the two [m].
+inline constexpr double kSharp = 1e-3;
+
 /// Rates at a contact point of two bodies that turn, slide and roll, world axes.
 struct ContactRates {
   Vec3 on_a = Vec3::Zero();    ///< velocity of the point over the surface of a [m/s]

@@ -98,17 +98,11 @@ void aim_unilateral(const StepContext& context, const Approach& a, Row& row) {
   }
 }
 
-double* NumberPool::take(int count) {
+void NumberPool::open_block(std::size_t least) {
   constexpr std::size_t kBlock = 4096;
-  const std::size_t size = std::size_t(count);
-  if (block_ < blocks_.size() && used_ + size > blocks_[block_].size()) {
-    ++block_;
-    used_ = 0;
-  }
-  if (block_ == blocks_.size()) blocks_.emplace_back(std::max(kBlock, size));
-  double* const out = &blocks_[block_][used_];
-  used_ += size;
-  return out;
+  if (block_ < blocks_.size()) ++block_;
+  used_ = 0;
+  if (block_ == blocks_.size()) blocks_.emplace_back(std::max(kBlock, least));
 }
 
 void RowSet::clear() {
@@ -144,12 +138,6 @@ double RowBuilder::along(const Row& row, const double* v) const {
   return sum;
 }
 
-void RowBuilder::take_numbers(Row& row) {
-  const int count = 2 * (row.size[0] + row.size[1]);
-  row.numbers = set_.pool.take(count);
-  if (!row.free_bodies) std::fill(row.numbers, row.numbers + count, 0.0);
-}
-
 // W of what is not a free body, whose closed form add_side() knows.
 void RowBuilder::finish_row(Row& row) {
   for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
@@ -177,8 +165,14 @@ RowBuilder::Pair RowBuilder::pair_of(const Manifold& manifold) {
     update_component(mechanism_, c);
     side.component = &c;
     side.position = c.is_free_body ? 0 : c.find(index);
-    pair.jointed = pair.jointed || !c.is_free_body;
     pair.inverse_mass += 1.0 / link.mass;
+    // Two bodies of one component share a side.
+    if (i == 1 && manifold.component[0] == manifold.component[1]) continue;
+    const int s = pair.row.size[0] > 0 ? 1 : 0;
+    pair.row.component[s] = manifold.component[i];
+    pair.row.size[s] = c.size();
+    pair.row.free_bodies = pair.row.free_bodies && c.is_free_body;
+    pair.numbers += 2 * c.size();
   }
   return pair;
 }
@@ -190,60 +184,56 @@ Vec3 RowBuilder::Pair::velocity_at(const Vec3& point) const {
   return v;
 }
 
-void RowBuilder::add_side(Row& row, const Pair::Side& side, const Spatial& wrench) {
-  const Component& c = *side.component;
-  const int s = row.component[0] == int(side.component - mechanism_.components().data()) ? 0 : 1;
-  double* const j = row.j(s);
-  if (!c.is_free_body) {
-    fill_row(c, side.position, wrench, side.sign, j);
-    return;
-  }
-  double* const w = row.w(s);
+namespace {
+
+// J and W of a free body in closed form; returns J W'.
+double fill_free_side(const Component& c, double sign, const Spatial& wrench, double* j) {
   const Vec3 spin = c.inverse_inertia * wrench.angular;
   for (int k = 0; k < 3; ++k) {
-    j[k] = side.sign * wrench.angular[k];
-    j[3 + k] = side.sign * wrench.linear[k];
-    w[k] = side.sign * spin[k];
-    w[3 + k] = side.sign * c.inverse_mass * wrench.linear[k];
+    j[k] = sign * wrench.angular[k];
+    j[3 + k] = sign * wrench.linear[k];
+    j[6 + k] = sign * spin[k];
+    j[9 + k] = sign * c.inverse_mass * wrench.linear[k];
   }
-  row.diagonal += wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
+  return wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
 }
 
-// With the pair's sides and their numbers.
-Row& RowBuilder::add_pair_row(const Pair& pair) {
-  Row& row = next_row();
-  int count = 0;
-  for (const Pair::Side& side : pair.side) {
+}  // namespace
+
+Row& RowBuilder::add_pair_row(const Pair& pair, const Vec3& axis, const Vec3* point) {
+  set_.rows.push_back(pair.row);
+  Row& row = set_.rows.back();
+  row.numbers = set_.pool.take(pair.numbers);
+  if (!row.free_bodies) std::fill(row.numbers, row.numbers + pair.numbers, 0.0);
+  bool second = false;
+  for (int i = 0; i < 2; ++i) {
+    const Pair::Side& side = pair.side[i];
     if (!side.component) continue;
-    const int component = int(side.component - mechanism_.components().data());
-    // Two bodies of one component share a side.
-    if (count == 1 && row.component[0] == component) continue;
-    row.component[count] = component;
-    row.size[count++] = side.component->size();
-    row.free_bodies = row.free_bodies && side.component->is_free_body;
+    const Component& c = *side.component;
+    const Spatial wrench = point ? Spatial{(*point - c.origin).cross(axis), axis}
+                                 : Spatial{axis, Vec3::Zero()};
+    double* const j = row.j(second && row.size[1] > 0 ? 1 : 0);
+    second = true;
+    if (c.is_free_body)
+      row.diagonal += fill_free_side(c, side.sign, wrench, j);
+    else
+      fill_row(c, side.position, wrench, side.sign, j);
   }
-  take_numbers(row);
+  if (!row.free_bodies) finish_row(row);
   return row;
 }
 
 Row& RowBuilder::add_point_row(const Pair& pair, const Vec3& point, const Vec3& velocity,
                                const Vec3& direction) {
-  Row& row = add_pair_row(pair);
-  for (const Pair::Side& side : pair.side)
-    if (side.component)
-      add_side(row, side, {(point - side.component->origin).cross(direction), direction});
-  if (!row.free_bodies) finish_row(row);
+  Row& row = add_pair_row(pair, direction, &point);
   row.now = direction.dot(velocity);
   return row;
 }
 
 Row& RowBuilder::add_twist_row(const Pair& pair, const Vec3& axis) {
-  Row& row = add_pair_row(pair);
-  for (const Pair::Side& side : pair.side) {
-    if (side.component) add_side(row, side, {axis, Vec3::Zero()});
+  Row& row = add_pair_row(pair, axis, nullptr);
+  for (const Pair::Side& side : pair.side)
     if (side.motion) row.now += side.sign * axis.dot(side.motion->angular);
-  }
-  if (!row.free_bodies) finish_row(row);
   row.inverse = row.diagonal > 0.0 ? 1.0 / row.diagonal : 0.0;
   return row;
 }
@@ -256,7 +246,8 @@ Row& RowBuilder::add_axis_row(const StepContext& context, int component, int loc
   row.component[0] = component;
   row.size[0] = c.size();
   row.free_bodies = false;
-  take_numbers(row);
+  row.numbers = set_.pool.take(2 * c.size());
+  std::fill(row.numbers, row.numbers + 2 * c.size(), 0.0);
   if (local >= 0) {
     row.j(0)[local] = sign;
     row.effort_sign = sign;
@@ -454,18 +445,18 @@ bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifol
   const SurfacePair& surface = *manifold.surface;
   const int first = int(set_.rows.size());
   const Vec3& n = point.normal;
-  const Vec3 velocity = pair.velocity_at(point.point);
-  Row& row = add_point_row(pair, point.point, velocity, n);
+  const int at = int(&point - manifold.first);
+  const ContactMotion& motion = motions[at];
+  Row& row = add_point_row(pair, point.point, motion.velocity, n);
   // Joints may hold a body such that it cannot yield: what remains is rounding, not a mass.
   if (row.diagonal <= kHeld * pair.inverse_mass) {
     set_.rows.pop_back();
     return false;
   }
-  const int at = int(&point - manifold.first);
-  const Vec3& turning = motions[at].turning;
+  const Vec3& turning = motion.turning;
   Approach approach;
   const double h = context.h;
-  row.deep = point.gap < -kTouching && pair.jointed;
+  row.deep = point.gap < -kTouching && !row.free_bodies;
   approach.restitution = surface.restitution;
   approach.turning = turning.dot(n);
   approach.speed = row.now - 0.5 * h * (along(row, context.start_udot) + approach.turning);
@@ -509,8 +500,8 @@ bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifol
   if (contact.friction > 0.0 && contact.kind == FrictionKind::twist) {
     add_twist_row(pair, n);
   } else if (contact.friction > 0.0) {
-    const Vec3 there = moved ? pair.velocity_at(where) : velocity;
-    const Vec3 against = motions[at].surface + along_turn * friction_turning;
+    const Vec3 there = moved ? pair.velocity_at(where) : motion.velocity;
+    const Vec3 against = motion.surface + along_turn * friction_turning;
     for (const Vec3& t : {contact.tangent1, contact.tangent2})
       add_point_row(pair, where, there, t).target = -t.dot(against);
     share_step_length(first + 1);

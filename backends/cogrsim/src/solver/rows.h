@@ -16,10 +16,18 @@ using geometry::ContactPoint;
 /// Memory for the numbers of rows; what it gave stays where it is until clear().
 class NumberPool {
  public:
-  double* take(int count);
+  double* take(int count) {
+    const std::size_t size = std::size_t(count);
+    if (block_ == blocks_.size() || used_ + size > blocks_[block_].size()) open_block(size);
+    double* const out = &blocks_[block_][used_];
+    used_ += size;
+    return out;
+  }
   void clear() { block_ = used_ = 0; }
 
  private:
+  void open_block(std::size_t least);
+
   std::vector<std::vector<double>> blocks_;
   std::size_t block_ = 0, used_ = 0;
 };
@@ -180,10 +188,11 @@ struct Manifold {
   bool is_line = false;  ///< its two points are the ends of a line
 };
 
-/// What contact needs to know beside its point.
+/// How b moves against a at a contact point.
 struct ContactMotion {
-  Vec3 surface = Vec3::Zero();  ///< see Detector::surface_velocity
-  Vec3 turning = Vec3::Zero();  ///< rate of b's velocity against a's that the speeds make: J' u [m/s^2]
+  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 surface = Vec3::Zero();   ///< see Detector::surface_velocity
+  Vec3 turning = Vec3::Zero();   ///< rate of the velocity that the speeds make: J' u [m/s^2]
 };
 
 class RowBuilder {
@@ -215,21 +224,21 @@ class RowBuilder {
       double sign = 1.0;
       const LinkMotion* motion = nullptr;  // none: the world
     } side[2];
-    bool jointed = false;
     double inverse_mass = 0.0;  // of those that yield, together
+    Row row;                    // with the sides that each of its rows has
+    int numbers = 0;            // of a row
     bool yields(int i) const { return side[i].component != nullptr; }
     Vec3 velocity_at(const Vec3& point) const;  // of b against a
   };
   Pair pair_of(const Manifold& manifold);
   bool add_contact(const StepContext& context, const Manifold& manifold, const Pair& pair,
                    const ContactPoint& point, const ContactMotion* motions);
-  Row& add_pair_row(const Pair& pair);
+  // Of a point's velocity along the axis; without a point of the spin about it.
+  Row& add_pair_row(const Pair& pair, const Vec3& axis, const Vec3* point);
   // Velocity of the pair's point along `direction`, or spin about it.
   Row& add_point_row(const Pair& pair, const Vec3& point, const Vec3& velocity,
                      const Vec3& direction);
   Row& add_twist_row(const Pair& pair, const Vec3& axis);
-  void add_side(Row& row, const Pair::Side& side, const Spatial& wrench);
-  void take_numbers(Row& row);
   void share_step_length(int first);
   void finish_row(Row& row);
   void add_limits(const StepContext& context, int joint);
