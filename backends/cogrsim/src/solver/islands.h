@@ -115,7 +115,7 @@ class Island : public RowSet {
   class NewtonProblem;
   bool solve_directly(double tolerance);
   bool measure_gaps(double h);
-  void hold_sticking(double h);
+  bool hold_sticking(double h);
 
   bool is_free_body_island_ = false;
   FreeBodyIsland free_body_island_;  ///< with is_free_body_island_: does all the work

@@ -475,9 +475,14 @@ bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifol
   contact.rolling = surface.rolling_friction;
   contact.spinning = surface.spinning_friction;
   // Tangents depend on the normal alone.
-  const Vec3 least = std::abs(n[0]) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
-  contact.tangent1 = (least - n * n.dot(least)).normalized();
-  contact.tangent2 = n.cross(contact.tangent1);
+  if (index > 0 && set_.contacts[std::size_t(index - 1)].point->normal == n) {
+    contact.tangent1 = set_.contacts[std::size_t(index - 1)].tangent1;
+    contact.tangent2 = set_.contacts[std::size_t(index - 1)].tangent2;
+  } else {
+    const Vec3 least = std::abs(n[0]) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
+    contact.tangent1 = (least - n * n.dot(least)).normalized();
+    contact.tangent2 = n.cross(contact.tangent1);
+  }
   // Friction acts where the surfaces meet in the impact. If one of the
   // two yields to no force, that is the surface of the other; if both yield, it is halfway between,
   // which conserves angular momentum.
