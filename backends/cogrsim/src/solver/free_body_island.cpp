@@ -28,23 +28,11 @@ namespace wide {
 const bool kWide = __builtin_cpu_supports("avx2");
 #endif
 
-double sweep(std::vector<FreeIslandGroup>& groups,
-             const std::vector<FreeBodyIsland::NormalBlock>& normal_blocks, bool backwards,
-             FreeIslandBody* v) {
 #ifdef COGRSIM_WIDE_SWEEPS
-  if (kWide) return wide::sweep(groups.data(), groups.size(), normal_blocks.data(), backwards, v);
+#define COGRSIM_SWEEPS(call) (kWide ? wide::call : plain::call)
+#else
+#define COGRSIM_SWEEPS(call) plain::call
 #endif
-  return plain::sweep(groups.data(), groups.size(), normal_blocks.data(), backwards, v);
-}
-
-double position_sweep(const std::vector<FreeIslandGroup>& groups, std::vector<FreeIslandGaps>& gaps,
-                      bool backwards, bool held, FreeIslandBody* p) {
-#ifdef COGRSIM_WIDE_SWEEPS
-  if (kWide)
-    return wide::position_sweep(groups.data(), gaps.data(), groups.size(), backwards, held, p);
-#endif
-  return plain::position_sweep(groups.data(), gaps.data(), groups.size(), backwards, held, p);
-}
 
 // Rigid faces that are a little out of true cannot all touch, and multipliers would grow in every
 // step: a row of the position stage yields to its load by this much of its inverse mass.
@@ -55,6 +43,10 @@ constexpr int kPatience = 4;
 constexpr double kIdle = 300.0, kSlow = 0.7, kStuck = 0.8;
 constexpr double kIdleScale = 0.99;
 constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
+// Pairs of a bundle are at most so many places apart: the order of the sweeps stays about that of the bodies, along
+// which loads spread.
+constexpr int kBundle = 4;
+constexpr std::size_t kApart = 16;
 
 double sum_of(const Four& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 // J v of one row.
@@ -81,14 +73,15 @@ double across(const FreeIslandGroup& g, int i, int k) {
 
 }  // namespace
 
-void FreeBodyIsland::add_normal_block(FreeIslandGroup& g) {
+void FreeBodyIsland::add_normal_block() {
+  FreeIslandGroup& g = groups_.back();
   Eigen::Matrix4d response = Eigen::Matrix4d::Identity();
   const double shared = ::cogrsim::dynamics::NormalBlock::kMeanShare * g.gamma[0] / g.count;
   NormalBlock block;
   block.mean_compliance = Four{};
   for (int i = 0; i < g.count; ++i) {
     for (int k = 0; k < i; ++k) response(i, k) = response(k, i) = across(g, i, k) - shared;
-    response(i, i) = g.diagonal[i] + g.gamma[i] - shared;
+    response(i, i) = impulses_.back().diagonal[i] + g.gamma[i] - shared;
     block.mean_compliance[i] = shared;
     g.inverse[i] = 1.0 / response(i, i);
   }
@@ -103,15 +96,15 @@ void FreeBodyIsland::add_normal_block(FreeIslandGroup& g) {
   normal_blocks_.push_back(block);
 }
 
-void FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind,
-                               const int* indices, int count) {
-  groups_.emplace_back();
-  FreeIslandGroup& g = groups_.back();
+FreeIslandGroup& FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind,
+                                           const int* indices, int count) {
+  FreeIslandGroup& g = groups_.emplace_back();
+  FreeIslandImpulses& impulses = impulses_.emplace_back();
   g.kind = kind;
   g.count = count;
   const Row& leader = rows[std::size_t(indices[0])];
   g.a = leader.at[0] / 6;
-  g.b = leader.size[1] > 0 ? leader.at[1] / 6 : int(roots_.size()) - 1;
+  g.b = leader.size[1] > 0 ? leader.at[1] / 6 : int(roots_.size() - 1 - groups_.size() % kUnmoved);
   const Root& ra = roots_[std::size_t(g.a)];
   const Root& rb = roots_[std::size_t(g.b)];
   const auto scaled = [](const double* j, const Root& root, double* out) {
@@ -135,18 +128,19 @@ void FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIslandGroup::Ki
     g.bias[i] = row.bias;
     g.gamma[i] = row.gamma;
     g.inverse[i] = row.inverse;
-    g.diagonal[i] = row.diagonal;
-    g.lambda[i] = row.lambda;
+    impulses.diagonal[i] = row.diagonal;
+    impulses.lambda[i] = row.lambda;
   }
   for (int i = 0; i < 3; ++i) {
     g.below[i] = Four{};
     for (int k = i + 1; k < count; ++k) g.below[i][k] = across(g, i, k);
   }
+  return g;
 }
 
 void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
                           const std::vector<const Component*>& bodies) {
-  roots_.resize(bodies.size() + 1);
+  roots_.assign(bodies.size() + kUnmoved, Root());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Mat3& I = bodies[i]->inverse_inertia;
     Root& root = roots_[i];
@@ -159,49 +153,92 @@ void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<Contac
     L[5] = std::sqrt(I(2, 2) - L[3] * L[3] - L[4] * L[4]);
     root.linear = std::sqrt(bodies[i]->inverse_mass);
   }
-  roots_.back() = Root();
   groups_.clear();
+  impulses_.clear();
   normal_blocks_.clear();
   row_of_.clear();
-  constexpr int kMost = 4;
+  bundles_.clear();
+  find_touches(rows, contacts);
+  const auto apart = [](const Touch& x, const Touch& y) {
+    return x.a != y.a && x.a != y.b && x.b != y.a && (x.b != y.b || x.b < 0);
+  };
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    if (touches_[i].bundled) continue;
+    Touch* bundle[kBundle] = {&touches_[i]};
+    int size = 1;
+    for (std::size_t k = i + 1; k < std::min(i + kApart, touches_.size()) && size < kBundle; ++k) {
+      bool fits = !touches_[k].bundled;
+      for (int n = 0; fits && n < size; ++n) fits = apart(*bundle[n], touches_[k]);
+      if (fits) bundle[size++] = &touches_[k];
+    }
+    bundles_.push_back(int(groups_.size()));
+    for (int n = 0; n < size; ++n) {
+      bundle[n]->bundled = true;
+      add_normals(rows, contacts, *bundle[n]);
+    }
+    for (int point = 0; point < 4; point += 2)
+      for (int n = 0; n < size; ++n) add_tangents(rows, contacts, *bundle[n], point);
+  }
+  bundles_.push_back(int(groups_.size()));
+}
+
+void FreeBodyIsland::find_touches(const std::vector<Row>& rows,
+                                  const std::vector<ContactRows>& contacts) {
+  constexpr std::size_t kMost = 4;
+  touches_.clear();
   for (std::size_t first = 0, end = 0; first < contacts.size(); first = end) {
     end = end_of_pair(contacts, first);
-    const bool whole = end - first <= std::size_t(kMost);
+    Touch& touch = touches_.emplace_back();
+    touch.first = first;
+    touch.whole = end - first <= kMost;
     end = std::min(end, first + kMost);
-    const int count = int(end - first);
-    const double friction = contacts[first].friction;
-    int indices[kMost];
-    bool rests = whole && count > 1;
-    for (int i = 0; i < count; ++i) {
-      indices[i] = contacts[first + std::size_t(i)].first;
-      rests = rests && rows[std::size_t(indices[i])].gamma > 0.0;
-    }
-    if (count == 1 && friction > 0.0) {
-      const int point[3] = {indices[0], indices[0] + 1, indices[0] + 2};
-      add_group(rows, FreeIslandGroup::Kind::point, point, 3);
-      groups_.back().friction[0] = friction;
-      continue;
-    }
-    const int normals = int(groups_.size());
-    add_group(rows, FreeIslandGroup::Kind::normals, indices, count);
-    if (rests) add_normal_block(groups_.back());
-    for (int i = 0; friction > 0.0 && i < count; i += 2) {
-      int tangents[4] = {indices[i] + 1, indices[i] + 2, 0, 0};
-      const bool two = i + 1 < count;
-      if (two) tangents[2] = indices[i + 1] + 1, tangents[3] = indices[i + 1] + 2;
-      add_group(rows, FreeIslandGroup::Kind::tangents, tangents, two ? 4 : 2);
-      FreeIslandGroup& g = groups_.back();
-      g.normals = normals;
-      g.point = i;
-      g.friction[0] = g.friction[1] = friction;
-    }
+    touch.count = int(end - first);
+    const Row& row = rows[std::size_t(contacts[first].first)];
+    touch.a = row.at[0];
+    touch.b = row.size[1] > 0 ? row.at[1] : -1;
   }
 }
 
+// Of one point all rows at once.
+void FreeBodyIsland::add_normals(const std::vector<Row>& rows,
+                                 const std::vector<ContactRows>& contacts, Touch& touch) {
+  const ContactRows* const contact = &contacts[touch.first];
+  int indices[4] = {};
+  bool rests = touch.whole && touch.count > 1;
+  for (int i = 0; i < touch.count; ++i) {
+    indices[i] = contact[i].first;
+    rests = rests && rows[std::size_t(indices[i])].gamma > 0.0;
+  }
+  touch.normals = int(groups_.size());
+  if (touch.count == 1 && contact->friction > 0.0) {
+    const int point[3] = {indices[0], indices[0] + 1, indices[0] + 2};
+    add_group(rows, FreeIslandGroup::Kind::point, point, 3).friction[0] = contact->friction;
+    return;
+  }
+  add_group(rows, FreeIslandGroup::Kind::normals, indices, touch.count);
+  if (rests) add_normal_block();
+}
+
+void FreeBodyIsland::add_tangents(const std::vector<Row>& rows,
+                                  const std::vector<ContactRows>& contacts, const Touch& touch,
+                                  int point) {
+  const ContactRows* const contact = &contacts[touch.first];
+  if (touch.count == 1 || point >= touch.count || contact->friction <= 0.0) return;
+  const bool two = point + 1 < touch.count;
+  int indices[4] = {contact[point].first + 1, contact[point].first + 2, 0, 0};
+  if (two) {
+    indices[2] = contact[point + 1].first + 1;
+    indices[3] = contact[point + 1].first + 2;
+  }
+  FreeIslandGroup& g = add_group(rows, FreeIslandGroup::Kind::tangents, indices, two ? 4 : 2);
+  g.normals = touch.normals;
+  g.point = point;
+  g.friction[0] = g.friction[1] = contact->friction;
+}
+
 void FreeBodyIsland::scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const {
-  out.resize(roots_.size());
-  out.back() = FreeIslandBody();
-  for (std::size_t i = 0; i + 1 < roots_.size(); ++i) {
+  out.assign(roots_.size(), FreeIslandBody());
+  for (std::size_t i = 0; i + kUnmoved < roots_.size(); ++i) {
     const double* const x = &v[6 * i];
     const double* const L = roots_[i].angular;
     const double s = 1.0 / roots_[i].linear;
@@ -213,8 +250,8 @@ void FreeBodyIsland::scale(const std::vector<double>& v, std::vector<FreeIslandB
 }
 
 void FreeBodyIsland::unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const {
-  v.resize(6 * (roots_.size() - 1));
-  for (std::size_t i = 0; i + 1 < roots_.size(); ++i) {
+  v.resize(6 * (roots_.size() - kUnmoved));
+  for (std::size_t i = 0; i + kUnmoved < roots_.size(); ++i) {
     const Four& x = in[i].first;
     const double* const L = roots_[i].angular;
     const double s = roots_[i].linear;
@@ -231,18 +268,20 @@ void FreeBodyIsland::unscale(const std::vector<FreeIslandBody>& in, std::vector<
 int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                                      std::vector<double>& v) {
   scale(v, v_);
-  for (const FreeIslandGroup& g : groups_)
-    for (int i = 0; i < g.count; ++i)
-      if (g.lambda[i] != 0.0) apply(g, i, g.lambda[i], v_);
+  for (std::size_t n = 0; n < groups_.size(); ++n)
+    for (int i = 0; i < groups_[n].count; ++i)
+      if (impulses_[n].lambda[i] != 0.0) apply(groups_[n], i, impulses_[n].lambda[i], v_);
   const double idle = kIdle * options.tolerance;
-  const auto impulses = [&](std::size_t i) -> Four& { return groups_[i].lambda; };
-  const auto diagonal = [&](std::size_t i) -> const Four& { return groups_[i].diagonal; };
+  const auto impulses = [&](std::size_t i) -> Four& { return impulses_[i].lambda; };
+  const auto diagonal = [&](std::size_t i) -> const Four& { return impulses_[i].diagonal; };
   steps_.begin(groups_.size(), impulses, v_);
   double before = std::numeric_limits<double>::infinity();
   int count = 1;
   for (; count <= options.iterations; ++count) {
     const bool backwards = count % 2 == 0;
-    const double change = sweep(groups_, normal_blocks_, backwards, v_.data());
+    const double change = COGRSIM_SWEEPS(sweep(groups_.data(), impulses_.data(), bundles_.data(),
+                                               int(bundles_.size()) - 1, normal_blocks_.data(),
+                                               backwards, v_.data()));
     if (change < options.tolerance) break;
     if (count % kPatience == 0) {
       if (change < idle && change > kSlow * before) break;
@@ -251,7 +290,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<R
     if (backwards && count < options.iterations) steps_.step(impulses, diagonal, v_);
   }
   for (std::size_t i = 0; i < row_of_.size(); ++i)
-    if (row_of_[i] >= 0) rows[std::size_t(row_of_[i])].lambda = groups_[i / 4].lambda[i % 4];
+    if (row_of_[i] >= 0) rows[std::size_t(row_of_[i])].lambda = impulses_[i / 4].lambda[i % 4];
   unscale(v_, v);
   return std::min(count, options.iterations);
 }
@@ -276,12 +315,12 @@ bool FreeBodyIsland::measure_gaps(double h, std::vector<Row>& rows) {
       const double error = row.gap_target - row.gap;
       const bool close = row.gap_target == 0.0 && std::abs(error) < 1e-5;
       const bool rests = close && error < 0.0;
-      const bool bilateral = (row.bilateral || rests) && g.lambda[i] > 0.0;
+      const bool bilateral = (row.bilateral || rests) && impulses_[n].lambda[i] > 0.0;
       if (close) gaps.position_impulse[i] = bilateral ? warm : std::max(warm, 0.0);
       if (!bilateral) gaps.least[i] = 0.0;
       gaps.error[i] = error;
-      gaps.yield[i] = kYield * g.diagonal[i];
-      gaps.weight[i] = 1.0 / (g.diagonal[i] + gaps.yield[i]);
+      gaps.yield[i] = kYield * impulses_[n].diagonal[i];
+      gaps.weight[i] = 1.0 / (impulses_[n].diagonal[i] + gaps.yield[i]);
       gaps.rows = i + 1;
       needed = needed || error > 0.0 || (bilateral && error != 0.0);
     }
@@ -298,20 +337,21 @@ void FreeBodyIsland::hold_sticking(double h) {
     if (!tangents && g.kind != FreeIslandGroup::Kind::point) continue;
     FreeIslandGaps& gaps = gaps_[n];
     for (int i = tangents ? 0 : 1; i < g.count; i += 2) {
-      const double load =
-          tangents ? groups_[std::size_t(g.normals)].lambda[g.point + i / 2] : g.lambda[0];
+      const double load = tangents ? impulses_[std::size_t(g.normals)].lambda[g.point + i / 2]
+                                   : impulses_[n].lambda[0];
       const double bound = kSticks * g.friction[0] * load;
-      const bool slides =
-          g.lambda[i] * g.lambda[i] + g.lambda[i + 1] * g.lambda[i + 1] >= bound * bound;
+      const bool slides = impulses_[n].lambda[i] * impulses_[n].lambda[i] +
+                              impulses_[n].lambda[i + 1] * impulses_[n].lambda[i + 1] >=
+                          bound * bound;
       for (int k = i; k < i + 2; ++k) {
         const double warm = gaps.error[k];
         gaps.error[k] = 0.0;
-        if (slides || g.point > 0 || g.diagonal[k] <= 0.0) continue;
+        if (slides || g.point > 0 || impulses_[n].diagonal[k] <= 0.0) continue;
         gaps.error[k] = -h * (g.bias[k] + along(g, k, v_));
         gaps.position_impulse[k] = warm;
-        gaps.yield[k] = kYield * g.diagonal[k];
-        gaps.hold[k] = 1.0 / g.diagonal[k];
-        gaps.weight[k] = 1.0 / (g.diagonal[k] + gaps.yield[k]);
+        gaps.yield[k] = kYield * impulses_[n].diagonal[k];
+        gaps.hold[k] = 1.0 / impulses_[n].diagonal[k];
+        gaps.weight[k] = 1.0 / (impulses_[n].diagonal[k] + gaps.yield[k]);
         gaps.rows = k + 1;
         gaps.held = true;
       }
@@ -319,8 +359,8 @@ void FreeBodyIsland::hold_sticking(double h) {
   }
 }
 
-void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
-                                     std::vector<Row>& rows, std::vector<double>& p) {
+void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows,
+                                     std::vector<double>& p) {
   gaps_.resize(groups_.size());
   if (!measure_gaps(h, rows)) return;
   hold_sticking(h);
@@ -331,14 +371,18 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
     for (int i = 0; i < groups_[n].count; ++i)
       if (gaps_[n].position_impulse[i] != 0.0)
         apply(groups_[n], i, gaps_[n].position_impulse[i], p_);
+  const auto position_sweep_of = [&](bool backwards, bool held) {
+    return COGRSIM_SWEEPS(position_sweep(groups_.data(), gaps_.data(), impulses_.data(),
+                                         groups_.size(), backwards, held, p_.data()));
+  };
   double before = std::numeric_limits<double>::infinity();
   double warm_start_scale = 0.0;  // of the position impulses, for the next step
   const auto multipliers = [&](std::size_t i) -> Four& { return gaps_[i].position_impulse; };
-  const auto diagonal = [&](std::size_t i) -> const Four& { return groups_[i].diagonal; };
+  const auto diagonal = [&](std::size_t i) -> const Four& { return impulses_[i].diagonal; };
   const int sweeps = std::min(options.iterations, kPositionSweeps);
   for (int count = 1; count <= sweeps; ++count) {
     const bool backwards = count % 2 == 0;
-    const double change = position_sweep(groups_, gaps_, backwards, false, p_.data());
+    const double change = position_sweep_of(backwards, false);
     if (change < tolerance) {
       warm_start_scale = 1.0;
       break;
@@ -360,7 +404,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h,
   for (std::size_t i = 0; i < groups_.size(); ++i) found_[i] = gaps_[i].position_impulse;
   // What the sweeps left of gaps is found again by the next step; of sliding it is not.
   for (int count = 1; count <= kHoldSweeps; ++count)
-    if (position_sweep(groups_, gaps_, count % 2 == 1, true, p_.data()) < idle) break;
+    if (position_sweep_of(count % 2 == 1, true) < idle) break;
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     if (row_of_[i] < 0) continue;
     const FreeIslandGaps& gaps = gaps_[i / 4];

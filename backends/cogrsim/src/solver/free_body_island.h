@@ -37,7 +37,7 @@ struct alignas(32) FreeIslandGroup {
   };
   Row rows[4];
   Four below[3];  ///< Delassus entries: change of velocity of later rows per impulse in row i
-  Four bias, gamma, inverse, diagonal, lambda;
+  Four bias, gamma, inverse;
   int a = 0, b = 0;  ///< bodies
   Kind kind = Kind::normals;
   int count = 0;
@@ -45,6 +45,11 @@ struct alignas(32) FreeIslandGroup {
   int point = 0;         ///< tangents: which of its rows is the normal of the first point
   int normal_block = 0;  ///< its index
   double friction[2] = {0.0, 0.0};
+};
+
+/// The impulses of a group's rows, and their diagonal of A.
+struct alignas(64) FreeIslandImpulses {
+  Four lambda, diagonal;
 };
 
 /// The rows of a group in the position stage.
@@ -85,17 +90,38 @@ class FreeBodyIsland {
     double angular[6];  // lower triangle, by rows
     double linear;
   };
-  void add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind, const int* indices,
-                 int count);
-  void add_normal_block(FreeIslandGroup& group);
+  // Contacts of a pair.
+  struct Touch {
+    std::size_t first = 0;
+    int count = 0;
+    bool whole = true;  // they are all of the pair's
+    bool bundled = false;
+    int a = 0, b = 0;   // bodies; b -1: it does not move
+    int normals = 0;    // their group
+  };
+  void find_touches(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts);
+  void add_normals(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
+                   Touch& touch);
+  void add_tangents(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
+                    const Touch& touch, int point);
+  FreeIslandGroup& add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind,
+                             const int* indices, int count);
+  void add_normal_block();  // of the last group
   void scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const;
   void unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const;
   bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);
 
-  std::vector<Root> roots_;  // last: of what does not move
+  // What does not move is one of several bodies with a root of zero, or what touches it would wait for one another.
+  static constexpr std::size_t kUnmoved = 4;
+
+  std::vector<Root> roots_;  // those of what does not move last
   std::vector<FreeIslandGroup> groups_;
+  std::vector<FreeIslandImpulses> impulses_;  // by group
+  // First groups of bundles, of which up to kBundle pairs have no body in common: a processor relaxes some at once.
+  std::vector<int> bundles_;
   std::vector<NormalBlock> normal_blocks_;
+  std::vector<Touch> touches_;
   std::vector<int> row_of_;  // four for each group; -1: none
   std::vector<FreeIslandGaps> gaps_;
   std::vector<FreeIslandBody> v_, p_;

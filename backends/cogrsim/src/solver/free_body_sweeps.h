@@ -56,18 +56,17 @@ inline void bound_to(double bound, double& x, double& y) {
   y *= scale;
 }
 
-inline Four relax_normals(const FreeIslandGroup& g, Four r) {
+inline Four relax_normals(const FreeIslandGroup& g, const Four& lambda, Four r) {
   Four d = {};
   for (int i = 0; i < 4; ++i) {
-    d[i] = larger(g.lambda[i] - r[i] * g.inverse[i], 0.0) - g.lambda[i];
+    d[i] = larger(lambda[i] - r[i] * g.inverse[i], 0.0) - lambda[i];
     if (i < 3) r += g.below[i] * d[i];
   }
   return d;
 }
 
 inline Four relax_normal_block(const FreeIslandGroup& g, const FreeBodyIsland::NormalBlock& block,
-                               Four r, Four& change) {
-  const Four before = g.lambda;
+                               const Four& before, Four r, Four& change) {
   r -= block.mean_compliance * ((before[0] + before[1]) + (before[2] + before[3]));
   Four wanted = before - ((block.A_inverse[0] * r[0] + block.A_inverse[1] * r[1]) +
                           (block.A_inverse[2] * r[2] + block.A_inverse[3] * r[3]));
@@ -90,72 +89,66 @@ inline Four relax_normal_block(const FreeIslandGroup& g, const FreeBodyIsland::N
   return d;
 }
 
-inline Four relax_point(const FreeIslandGroup& g, Four r) {
+inline Four relax_point(const FreeIslandGroup& g, const Four& lambda, Four r) {
   Four d = {};
-  const double load = larger(g.lambda[0] - r[0] * g.inverse[0], 0.0);
-  d[0] = load - g.lambda[0];
+  const double load = larger(lambda[0] - r[0] * g.inverse[0], 0.0);
+  d[0] = load - lambda[0];
   r += g.below[0] * d[0];
-  double x = g.lambda[1] - r[1] * g.inverse[1], y = g.lambda[2] - r[2] * g.inverse[2];
+  double x = lambda[1] - r[1] * g.inverse[1], y = lambda[2] - r[2] * g.inverse[2];
   bound_to(g.friction[0] * load, x, y);
-  d[1] = x - g.lambda[1];
-  d[2] = y - g.lambda[2];
+  d[1] = x - lambda[1];
+  d[2] = y - lambda[2];
   return d;
 }
 
-inline Four relax_tangents(const FreeIslandGroup& g, double load1, double load2, Four r) {
-  double x = g.lambda[0] - r[0] * g.inverse[0], y = g.lambda[1] - r[1] * g.inverse[1];
+inline Four relax_tangents(const FreeIslandGroup& g, const Four& lambda, double load1, double load2,
+                           Four r) {
+  double x = lambda[0] - r[0] * g.inverse[0], y = lambda[1] - r[1] * g.inverse[1];
   bound_to(g.friction[0] * load1, x, y);
-  const double dx = x - g.lambda[0], dy = y - g.lambda[1];
+  const double dx = x - lambda[0], dy = y - lambda[1];
   if (g.count <= 2) return Four{dx, dy, 0.0, 0.0};
   r += g.below[0] * dx + g.below[1] * dy;
-  x = g.lambda[2] - r[2] * g.inverse[2];
-  y = g.lambda[3] - r[3] * g.inverse[3];
+  x = lambda[2] - r[2] * g.inverse[2];
+  y = lambda[3] - r[3] * g.inverse[3];
   bound_to(g.friction[1] * load2, x, y);
-  return Four{dx, dy, x - g.lambda[2], y - g.lambda[3]};
+  return Four{dx, dy, x - lambda[2], y - lambda[3]};
 }
 
-/// Over all groups once, there or back; returns the largest change of a velocity.
-double sweep(FreeIslandGroup* groups, std::size_t count,
-             const FreeBodyIsland::NormalBlock* normal_blocks, bool backwards, FreeIslandBody* v) {
+/// Over all groups once, there or back; returns the largest change of a velocity. `bundles`: their first groups, and
+/// the end. Those of a bundle are relaxed in their order on the way back, too: friction last.
+double sweep(const FreeIslandGroup* groups, FreeIslandImpulses* impulses, const int* bundles,
+             int count, const FreeBodyIsland::NormalBlock* normal_blocks, bool backwards,
+             FreeIslandBody* v) {
   Four most = {};
-  // The groups of a pair are relaxed in their order on the way back, too: friction last.
-  std::size_t end = count;
-  for (std::size_t i = 0; i < count;) {
-    std::size_t first = i, last = i + 1;
-    if (backwards) {
-      first = end - 1;
-      if (groups[first].kind == FreeIslandGroup::Kind::tangents)
-        first = std::size_t(groups[first].normals);
-      last = end;
-    }
-    for (std::size_t k = first; k < last; ++k) {
-      FreeIslandGroup& g = groups[k];
+  for (int i = 0; i < count; ++i) {
+    const int* const bundle = bundles + (backwards ? count - 1 - i : i);
+    for (int k = bundle[0]; k < bundle[1]; ++k) {
+      const FreeIslandGroup& g = groups[k];
+      const Four before = impulses[k].lambda;
       const bool three = g.count <= 3;
-      const Four r = g.bias + g.gamma * g.lambda + (three ? dots<3>(g, v) : dots<4>(g, v));
+      const Four r = g.bias + g.gamma * before + (three ? dots<3>(g, v) : dots<4>(g, v));
       Four d, change;
       switch (g.kind) {
         case FreeIslandGroup::Kind::normal_block:
-          d = relax_normal_block(g, normal_blocks[g.normal_block], r, change);
+          d = relax_normal_block(g, normal_blocks[g.normal_block], before, r, change);
           break;
         case FreeIslandGroup::Kind::point:
-          d = relax_point(g, r);
-          change = size_of(d) * g.diagonal;
+          d = relax_point(g, before, r);
+          change = size_of(d) * impulses[k].diagonal;
           break;
         case FreeIslandGroup::Kind::tangents:
-          d = relax_tangents(g, groups[g.normals].lambda[g.point],
-                             groups[g.normals].lambda[g.point + 1], r);
-          change = size_of(d) * g.diagonal;
+          d = relax_tangents(g, before, impulses[g.normals].lambda[g.point],
+                             impulses[g.normals].lambda[g.point + 1], r);
+          change = size_of(d) * impulses[k].diagonal;
           break;
         default:
-          d = relax_normals(g, r);
-          change = size_of(d) * g.diagonal;
+          d = relax_normals(g, before, r);
+          change = size_of(d) * impulses[k].diagonal;
       }
-      g.lambda += d;
+      impulses[k].lambda = before + d;
       three ? apply<3>(g, d, v) : apply<4>(g, d, v);
       most = larger_of(most, change);
     }
-    i += last - first;
-    end = first;
   }
   return larger(larger(most[0], most[1]), larger(most[2], most[3]));
 }
@@ -180,8 +173,9 @@ inline Four relax_gaps(const FreeIslandGroup& g, FreeIslandGaps& gap, bool held,
 }
 
 /// The same of the position stage; `held`: over what is held only.
-double position_sweep(const FreeIslandGroup* groups, FreeIslandGaps* gaps, std::size_t count,
-                      bool backwards, bool held, FreeIslandBody* p) {
+double position_sweep(const FreeIslandGroup* groups, FreeIslandGaps* gaps,
+                      const FreeIslandImpulses* impulses, std::size_t count, bool backwards,
+                      bool held, FreeIslandBody* p) {
   Four most = {};
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = backwards ? count - 1 - i : i;
@@ -191,7 +185,7 @@ double position_sweep(const FreeIslandGroup* groups, FreeIslandGaps* gaps, std::
     const Four d = gap.rows == 1   ? relax_gaps<1>(g, gap, held, p)
                    : gap.rows <= 3 ? relax_gaps<3>(g, gap, held, p)
                                    : relax_gaps<4>(g, gap, held, p);
-    most = larger_of(most, size_of(d) * g.diagonal);
+    most = larger_of(most, size_of(d) * impulses[k].diagonal);
   }
   return larger(larger(most[0], most[1]), larger(most[2], most[3]));
 }
