@@ -284,7 +284,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<R
                                                backwards, v_.data()));
     if (change < options.tolerance) break;
     if (count % kPatience == 0) {
-      if (change < idle && change > kSlow * before) break;
+      if (change > (change < idle ? kSlow : kStuck) * before) break;
       before = change;
     }
     if (backwards && count < options.iterations) steps_.step(impulses, diagonal, v_);
