@@ -115,6 +115,7 @@ class FreeBodyIsland {
   // What does not move is one of several bodies with a root of zero, or what touches it would wait for one another.
   static constexpr std::size_t kUnmoved = 4;
 
+  bool moves_ = false;
   std::vector<Root> roots_;  // those of what does not move last
   std::vector<FreeIslandGroup> groups_;
   std::vector<FreeIslandImpulses> impulses_;  // by group

@@ -47,10 +47,11 @@ inline double larger(double a, double b) { return a > b ? a : b; }
 inline Four larger_of(const Four& a, const Four& b) { return a > b ? a : b; }
 inline Four size_of(const Four& x) { return x < 0.0 ? -x : x; }
 
-// Onto the disc of Coulomb. Which contacts slide no processor foresees: without a branch, and 0 / 0 where none is.
+// Onto the disc of Coulomb.
 inline void bound_to(double bound, double& x, double& y) {
-  const double share = bound / std::sqrt(x * x + y * y);
-  const double scale = share < 1.0 ? share : 1.0;
+  const double square = x * x + y * y;
+  if (square <= bound * bound) return;
+  const double scale = bound / std::sqrt(square);
   x *= scale;
   y *= scale;
 }
