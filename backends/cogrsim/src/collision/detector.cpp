@@ -32,7 +32,7 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
         unbounded_.push_back(int(next));
         bounding_radius = std::max(bounding_radius, 1e-3);
       } else {
-        sorted_.push_back(int(next));
+        sorted_.push_back({c.low, c.high, int(next), c.moves});
         bounding_radius = std::max(bounding_radius, c.X_BS.p.norm() + c.bounding_radius);
       }
     }
@@ -95,27 +95,60 @@ void Detector::test_pairs(std::vector<ContactPoint>& out, WorkerPool* pool) {
   for (const auto& part : parts_) out.insert(out.end(), part.begin(), part.end());
 }
 
+// Along which the middles of the bounds vary most, as in Ericson, Real-time collision detection, 2005, section 7.5.2.
+int Detector::widest_axis() const {
+  Vec3 sum = Vec3::Zero(), squares = Vec3::Zero();
+  for (const Bounds& b : sorted_) {
+    const Vec3 middle = b.low + b.high;
+    sum += middle;
+    squares += middle.cwiseAbs2();
+  }
+  const double count = std::max(double(sorted_.size()), 1.0);
+  int axis = 0;
+  (squares - sum.cwiseAbs2() / count).maxCoeff(&axis);
+  return axis;
+}
+
+// Insertion, because the order is nearly that of the last step; equal bounds fall back on the index, so that it is a
+// function of the poses.
+void Detector::sort_bounds(int axis) {
+  const auto before = [axis](const Bounds& a, const Bounds& b) {
+    return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.collider < b.collider;
+  };
+  if (axis != axis_) std::sort(sorted_.begin(), sorted_.end(), before);
+  axis_ = axis;
+  for (std::size_t i = 1; i < sorted_.size(); ++i) {
+    if (!before(sorted_[i], sorted_[i - 1])) continue;
+    const Bounds moved = sorted_[i];
+    std::size_t k = i;
+    for (; k > 0 && before(moved, sorted_[k - 1]); --k) sorted_[k] = sorted_[k - 1];
+    sorted_[k] = moved;
+  }
+}
+
 void Detector::find_pairs() {
   pairs_.swap(last_pairs_);
   apart_.swap(last_apart_);
   pairs_.clear();
-  // Sweep along x; equal bounds fall back on the index, so that the order is a function of the poses.
-  std::sort(sorted_.begin(), sorted_.end(), [this](int a, int b) {
-    const double la = colliders_[std::size_t(a)].low[0], lb = colliders_[std::size_t(b)].low[0];
-    return la < lb || (la == lb && a < b);
-  });
+  for (Bounds& b : sorted_) {
+    b.low = colliders_[std::size_t(b.collider)].low;
+    b.high = colliders_[std::size_t(b.collider)].high;
+  }
+  const int axis = widest_axis(), second = (axis + 1) % 3, third = (axis + 2) % 3;
+  sort_bounds(axis);
   open_.clear();
-  for (int i : sorted_) {
-    const Collider& c = colliders_[std::size_t(i)];
+  for (int i = 0; i < int(sorted_.size()); ++i) {
+    const Bounds& b = sorted_[std::size_t(i)];
     std::size_t count = 0;
-    for (int k : open_) {
-      const Collider& o = colliders_[std::size_t(k)];
-      if (o.high[0] < c.low[0]) continue;
+    for (const int k : open_) {
+      const Bounds& o = sorted_[std::size_t(k)];
+      if (o.high[axis] < b.low[axis]) continue;
       open_[count++] = k;
-      if (!(c.moves || o.moves) || o.high[1] < c.low[1] || c.high[1] < o.low[1] ||
-          o.high[2] < c.low[2] || c.high[2] < o.low[2])
+      if (!(b.moves || o.moves) || o.high[second] < b.low[second] ||
+          b.high[second] < o.low[second] || o.high[third] < b.low[third] ||
+          b.high[third] < o.low[third])
         continue;
-      pairs_.emplace_back(std::min(i, k), std::max(i, k));
+      pairs_.emplace_back(std::min(b.collider, o.collider), std::max(b.collider, o.collider));
     }
     open_.resize(count);
     open_.push_back(i);
@@ -123,12 +156,11 @@ void Detector::find_pairs() {
   for (int p : unbounded_) {
     const Collider& plane = colliders_[std::size_t(p)];
     const Vec3 n = plane.X_WS.R.col(2);
-    for (int i : sorted_) {
-      const Collider& c = colliders_[std::size_t(i)];
-      if (!(c.moves || plane.moves)) continue;
-      const Vec3 middle = 0.5 * (c.low + c.high), extent = 0.5 * (c.high - c.low);
+    for (const Bounds& b : sorted_) {
+      if (!(b.moves || plane.moves)) continue;
+      const Vec3 middle = 0.5 * (b.low + b.high), extent = 0.5 * (b.high - b.low);
       if (n.dot(middle - plane.X_WS.p) - n.cwiseAbs().dot(extent) > plane.margin) continue;
-      pairs_.emplace_back(std::min(i, p), std::max(i, p));
+      pairs_.emplace_back(std::min(b.collider, p), std::max(b.collider, p));
     }
   }
   std::sort(pairs_.begin(), pairs_.end());

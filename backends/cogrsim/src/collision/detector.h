@@ -36,6 +36,8 @@ class Detector {
 
  private:
   void find_pairs();
+  void sort_bounds(int axis);
+  int widest_axis() const;
   void test_pairs(std::vector<ContactPoint>& out, WorkerPool* pool);
   void test_pair(std::size_t pair, std::vector<ContactPoint>& out);
 
@@ -43,11 +45,18 @@ class Detector {
   std::vector<Collider> colliders_;
   std::vector<int> first_;  ///< first collider of each body (nbody + 1)
   std::vector<double> bounding_radii_, thinness_;
-  std::vector<int> sorted_;                              ///< bounded colliders by lower x
-  std::vector<int> unbounded_;                           ///< planes
+  /// Bounds of a collider, apart from the rest of it so that those of neighbours lie in the cache together.
+  struct Bounds {
+    Vec3 low, high;
+    int collider;
+    bool moves;
+  };
+  std::vector<Bounds> sorted_;  ///< of bounded colliders, by their lower end along an axis
+  std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_, last_pairs_;  ///< of colliders
   std::vector<Apart> apart_, last_apart_;                ///< of each pair
-  std::vector<int> open_;
+  int axis_ = -1;          ///< that of sorted_
+  std::vector<int> open_;  ///< places in sorted_
   std::vector<std::vector<ContactPoint>> parts_;  ///< found by each part of the pairs
 };
 
