@@ -47,8 +47,8 @@ constexpr double kIdleScale = 0.99;
 constexpr int kEnough = 16;
 constexpr double kMoves = 0.05;
 constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
-// Pairs of a bundle are at most so many places apart: the order of the sweeps stays about that of the bodies, along
-// which loads spread.
+// Pairs of a bundle are at most so many places apart. Of what is at rest each pair is a bundle: up and down a stack in its
+// order the sweeps converge best.
 constexpr int kBundle = 4;
 constexpr std::size_t kApart = 16;
 
@@ -168,11 +168,12 @@ void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<Contac
   const auto apart = [](const Touch& x, const Touch& y) {
     return x.a != y.a && x.a != y.b && x.b != y.a && (x.b != y.b || x.b < 0);
   };
+  const int most = moves_ ? kBundle : 1;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     if (touches_[i].bundled) continue;
     Touch* bundle[kBundle] = {&touches_[i]};
     int size = 1;
-    for (std::size_t k = i + 1; k < std::min(i + kApart, touches_.size()) && size < kBundle; ++k) {
+    for (std::size_t k = i + 1; k < std::min(i + kApart, touches_.size()) && size < most; ++k) {
       bool fits = !touches_[k].bundled;
       for (int n = 0; fits && n < size; ++n) fits = apart(*bundle[n], touches_[k]);
       if (fits) bundle[size++] = &touches_[k];
