@@ -71,7 +71,6 @@ class Writer {
 };
 
 Result<> Writer::check() const {
-  if (auto fine = check_motors(scene_); !fine) return fine;
   for (const Body& b : scene_.bodies) {
     if (b.removed || b.kind == BodyKind::static_body) continue;
     for (const Shape& shape : b.shapes)
