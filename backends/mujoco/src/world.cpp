@@ -54,22 +54,16 @@ Result<> MujocoWorld::rebuild(const SceneModelPtr& next, const WorldState& begin
 
 Result<> MujocoWorld::adopt(const ProgramPtr& program) {
   mjModel* copy = nullptr;
-  auto done = guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); });
+  const auto done = guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); });
   if (!done) return done;
-  ModelOwner other_model(copy);
-  ProgramPtr other_program = program;
-  std::swap(other_model, model_);
-  std::swap(other_program, program_);
-  done = make_room(contact_room_, stack_room_);
-  if (!done) {
-    std::swap(other_model, model_);
-    std::swap(other_program, program_);
-  }
-  return done;
+  ModelOwner model(copy);
+  if (auto made = make_room(*model, contact_room_, stack_room_); !made) return made;
+  model_ = std::move(model);
+  program_ = program;
+  return {};
 }
 
-Result<> MujocoWorld::make_room(double contacts, double stack) {
-  mjModel& m = *model_;
+Result<> MujocoWorld::make_room(mjModel& m, double contacts, double stack) {
   const auto movable = std::count(m.geom_conaffinity, m.geom_conaffinity + m.ngeom, 3);
   m.nconmax = clamped(contacts * (16.0 + 2.0 * static_cast<double>(movable)));
   m.njmax = clamped(16.0 + m.nemax + m.njnt + 4.0 * m.nconmax);  // a matrix has its square
@@ -192,7 +186,8 @@ StepResult MujocoWorld::advance(double dt, const std::vector<Drive>& drives,
     if (!done && done.error().message != "MuJoCo: Stack overflow")
       return lost(-1, done.error().message);
     // Its memory was too small: the step is undone, and repeated with more.
-    const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
+    const auto made =
+        make_room(*model_, contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
     if (!made) return lost(-1, made.error().message);
     put_back(before_);
   }
@@ -211,10 +206,7 @@ StepResult MujocoWorld::lost(int body, const std::string& what) {
   std::memset(data_->warning, 0, sizeof data_->warning);
   forget_step();
   if (body < 0) return {StepStatus::diverged, body, what};
-  return {StepStatus::diverged, body,
-          "body '" + program_->scene->bodies[body].name +
-              "' has left MuJoCo's bounds (1e10 of its position, velocity, acceleration or " +
-              "effort) or is not a number"};
+  return diverged(body, "1e10 of its position, velocity, acceleration or effort");
 }
 
 int MujocoWorld::find_bad() const {

@@ -52,9 +52,9 @@ class MujocoWorld final : public HostedWorld {
 
   /// A copy of `program`'s model to step, and data for it. The world is as it was when it fails.
   Result<> adopt(const ProgramPtr& program);
-  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of
-  /// MuJoCo's own rule.
-  Result<> make_room(double contacts, double stack);
+  /// Data of `model` with memory for so many times the contacts of an ordinary scene, and the stack
+  /// of MuJoCo's own rule.
+  Result<> make_room(mjModel& model, double contacts, double stack);
 
   void set_drives(double dt, const std::vector<Drive>& drives);
   /// The speed of the axis of an actuator.
