@@ -68,10 +68,11 @@ Result<ParameterTable> LoaderCatalog::world_options(const std::string& backend) 
   return (*engine)->world_options();
 }
 
-Result<ParameterTable> LoaderCatalog::assembly_options(const std::string& backend) {
+Result<ParameterTable> LoaderCatalog::element_options(const std::string& backend,
+                                                      std::string_view element) {
   const auto engine = loader_->backend(backend);
   if (!engine) return tl::unexpected(engine.error());
-  return (*engine)->assembly_options();
+  return (*engine)->element_options(element);
 }
 
 }  // namespace cogrsim::dsl

@@ -22,8 +22,8 @@ class ForwardingBackend : public cogrsim::Backend {
   const cogrsim::ParameterTable& world_options() const override {
     return backend_->world_options();
   }
-  const cogrsim::ParameterTable& assembly_options() const override {
-    return backend_->assembly_options();
+  const cogrsim::ParameterTable& element_options(std::string_view element) const override {
+    return backend_->element_options(element);
   }
 
  protected:

@@ -3,6 +3,7 @@
 
 #include "build_support.h"
 #include "cogrsim/model/joint_kinematics.h"
+#include "fake_catalog.h"
 
 using namespace cogrsim;
 using namespace cogrsim::test;
@@ -58,6 +59,38 @@ TEST_CASE("a body's own velocity becomes its joint's", "[dsl][joints]") {
   CHECK(codes_of(R"(
     <box name="a" size="1 0.1 0.1" xyz="0.5 0 0" linear-velocity="1 0 0"/>
     <hinge name="j" child="a" xyz="0 0 0" axis="0 0 1"/>)") == "CG0610");
+}
+
+TEST_CASE("materials, joints and couplings have options of an engine", "[dsl][joints]") {
+  dsl_test::FakeCatalog catalog;
+  dsl::CompileOptions options;
+  options.plugins = &catalog;
+  const std::string block = R"(<tiny formulation="maximal"/>)";
+  const auto model =
+      compile_scene(R"(<material name="rubber">)" + block + R"(</material>
+    <prototype name="Arm"><box name="a" size="1 1 1" material="rubber"/>
+    <box name="b" size="1 1 1" xyz="2 0 0" material="rubber" friction="0.9"/><box name="c" size="1 1 1" xyz="4 0 0"/>
+    <hinge name="j" parent="a" child="b">)" +
+                        block + R"(</hinge><slider name="k" parent="b" child="c"/>
+    <couple name="gear" joint="k" to="j">)" +
+                        block + R"(</couple></prototype><instance of="Arm" name="arm"/>)",
+                    options);
+  const auto has = [](const std::map<std::string, Parameters>& of) {
+    return of.count("tiny") == 1 &&
+           std::get<std::string>(of.at("tiny").at("formulation")) == "maximal";
+  };
+  CHECK(has(joint(*model, "arm.j").engine_options));
+  CHECK(joint(*model, "arm.k").engine_options.empty());
+  CHECK(has(model->couplings.at(0).engine_options));
+  // A shape that overrides something of its material keeps the rest.
+  for (const char* name : {"arm.a", "arm.b"})
+    CHECK(has(model->materials[body(*model, name).shapes.at(0).material].engine_options));
+  CHECK(model->materials[body(*model, "arm.c").shapes.at(0).material].engine_options.empty());
+
+  const std::string two = R"(<box name="a" size="1 1 1"/><hinge name="j" child="a">)";
+  CHECK(codes_of(two + "<tiny speed=\"1\"/></hinge>", options) == "CG0904");
+  CHECK(codes_of(two + block + block + "</hinge>", options) == "CG0904");
+  CHECK(codes_of(two + "<huge/></hinge>", options) == "CG0201");
 }
 
 TEST_CASE("the later joint closes the loop", "[dsl][joints]") {

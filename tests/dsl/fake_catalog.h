@@ -63,7 +63,8 @@ class FakeCatalog final : public cogrsim::dsl::PluginCatalog {
   cogrsim::Result<cogrsim::ParameterTable> world_options(const std::string&) override {
     return cogrsim::ParameterTable{cogrsim::parameter("iterations", 10, "of the solver")};
   }
-  cogrsim::Result<cogrsim::ParameterTable> assembly_options(const std::string&) override {
+  cogrsim::Result<cogrsim::ParameterTable> element_options(const std::string&,
+                                                           std::string_view) override {
     return cogrsim::ParameterTable{
         cogrsim::parameter("formulation", "reduced", "how").one_of({"reduced", "maximal"})};
   }

@@ -255,14 +255,36 @@ TEST_CASE("what is said of MuJoCo's contacts and solver is said to that engine",
     <body><freejoint/><geom size="0.1"/></body>
     <body pos="1 0 0"><freejoint/><geom size="0.1" priority="1" solimp="0.5 1 0.01"/></body>
     <body pos="2 0 0"><joint name="j" range="-1 1" solreflimit="0.03 1" frictionloss="1"/><geom size="0.1"/></body>
-    </worldbody></mujoco>)"),
+    <body pos="3 0 0"><joint name="k" range="-1 1" solreflimit="0.03 1"/><geom size="0.1"/></body>
+    <body pos="4 0 0"><joint name="l" range="-1 1" solimplimit="0 0.9 0.001"/><geom size="0.1"/></body>
+    </worldbody><equality><joint joint1="j" joint2="k" solref="0.005 1"/>
+    <joint joint1="k" joint2="l"/></equality></mujoco>)"),
       in.options);
-  CHECK(in.result.scene.find("<physics step=\"0.001 s\">\n    <mujoco cone=\"elliptic\" "
-                             "impratio=\"10\" solref=\"0.01 1\" solimp=\"0.5 1 0.01 0.5 2\" "
-                             "margin=\"0.002\" solreflimit=\"0.03 1\"/>") != std::string::npos);
-  CHECK(in.reports(kExact, "solref of contacts", "0.01 1 on the engine MuJoCo"));
-  CHECK(in.reports(kLeftOut, "solimp of contacts", "kinds of pairs have another"));
+  const auto has = [&](const std::string& text) {
+    return in.result.scene.find(text) != std::string::npos;
+  };
+  // The world has what most limits have, or the first of as many.
+  CHECK(
+      has("<physics step=\"0.001 s\">\n    <mujoco cone=\"elliptic\" impratio=\"10\" "
+          "solrefequality=\"0.005 1\" solreflimit=\"0.03 1\"/>"));
+  CHECK(has("<mujoco solref=\"0.01 1\"/></material>"));  // of the plane
+  CHECK(has("<mujoco solref=\"0.01 1\" margin=\"0.002\"/></material>"));
+  CHECK(
+      has("<mujoco solref=\"0.01 1\" solimp=\"0.5 1 0.01 0.5 2\" margin=\"0.002\" "
+          "priority=\"1\"/></material>"));
+  CHECK(has("<mujoco solreflimit=\"0.02 1\" solimplimit=\"0 0.9 0.001 0.5 2\"/></hinge>"));
+  CHECK(has("<mujoco solrefequality=\"0.02 1\"/></couple>"));
+  CHECK(in.reports(kExact, "softness of contacts", "by materials"));
+  CHECK(in.reports(kExact, "solreflimit", "1 of 3 have their own"));
   CHECK(in.reports(kExact, "option cone", "elliptic"));
+
+  // One softness of all contacts is the world's.
+  in.result = dsl::import_model(
+      in.folder.write("n.xml", R"(<mujoco><default><geom solref="0.01 1"/></default><worldbody>
+    <geom type="plane" size="1 1 1"/><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>)"),
+      in.options);
+  CHECK(has("<physics step=\"0.002 s\">\n    <mujoco solref=\"0.01 1\"/>"));
+  CHECK(in.reports(kExact, "solref of contacts", "0.01 1 on the engine MuJoCo"));
 }
 
 TEST_CASE("what stands around a robot is no part of it", "[mjcf][sdf]") {

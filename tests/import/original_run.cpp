@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -23,7 +24,16 @@ struct Free {
   void operator()(mjData* d) const { mj_deleteData(d); }
 };
 
-std::string own_name(const std::string& name) { return name.substr(name.rfind('.') + 1); }
+/// Whether a name of the scene is that of the file: characters that a scene does not take are others,
+/// and a joint that is called as a body has an ending.
+bool is_named(const std::string& in_scene, const char* there) {
+  if (there == nullptr) return false;
+  const std::string own = in_scene.substr(in_scene.rfind('.') + 1);
+  std::string wanted = there;
+  for (char& c : wanted)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
+  return own == wanted || own == wanted + "_joint";
+}
 
 /// The options of the file's solver.
 Parameters options_of(const mjModel& m) {
@@ -59,10 +69,10 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
   if (!compiled.ok()) return fail("the imported scene: " + dsl::to_text(compiled.diagnostics));
   auto model = std::make_shared<SceneModel>(*compiled.model);
   for (Motor& motor : model->motors) {
-    const std::string joint = own_name(model->joints[std::size_t(motor.joint)].name);
+    const std::string& joint = model->joints[std::size_t(motor.joint)].name;
     for (int a = 0; a < m.nu; ++a) {
       const char* const there = mj_id2name(&m, mjOBJ_JOINT, m.actuator_trnid[2 * a]);
-      if (m.actuator_trntype[a] == mjTRN_JOINT && there && joint == there) motor.target = d.ctrl[a];
+      if (m.actuator_trntype[a] == mjTRN_JOINT && is_named(joint, there)) motor.target = d.ctrl[a];
     }
   }
   model->physics.step = m.opt.timestep;
@@ -100,13 +110,13 @@ Result<OriginalRun> run_beside_original(const std::string& path, const std::stri
     const char* const body = mj_id2name(m.get(), mjOBJ_BODY, m->jnt_bodyid[j]);
     const char* const name = mj_id2name(m.get(), mjOBJ_JOINT, j);
     if (m->jnt_type[j] == mjJNT_FREE) {
-      for (std::size_t b = 0; body && b < (*model)->bodies.size(); ++b)
-        if (own_name((*model)->bodies[b].name) == body) bases[std::size_t(j)] = static_cast<int>(b);
+      for (std::size_t b = 0; b < (*model)->bodies.size(); ++b)
+        if (is_named((*model)->bodies[b].name, body)) bases[std::size_t(j)] = static_cast<int>(b);
       continue;
     }
     if (m->jnt_type[j] == mjJNT_BALL) continue;
     for (const Joint& joint : (*model)->joints)
-      if (name && own_name(joint.name) == name && position_count(joint.type) == 1)
+      if (is_named(joint.name, name) && position_count(joint.type) == 1)
         joints[std::size_t(j)] = &joint;
     ++(joints[std::size_t(j)] ? out.joints : out.missing);
   }

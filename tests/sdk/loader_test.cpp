@@ -94,7 +94,7 @@ TEST_CASE("a plugin stays loaded while it is in use", "[loader]") {
 
 TEST_CASE("no code of a library with another ABI runs", "[loader]") {
   const auto [name, reason] = GENERATE(table<std::string, std::string>(
-      {{"foreign", "built for gcc99_cxx11, ABI 7; this CogRSim is"},
+      {{"foreign", "built for gcc99_cxx11, ABI 8; this CogRSim is"},
        {"unmarked", "not a CogRSim plugin"},
        {"no_descriptor", "the symbol 'cogrsim_plugin' is missing"},
        {"unresolved", "undefined symbol: cogrsim_test_missing_function"}}));

@@ -141,7 +141,9 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += output_table(d.outputs, style);
     if (entry.backend) {
       out += parameter_table("world option", entry.backend->world_options(), style);
-      out += parameter_table("assembly option", entry.backend->assembly_options(), style);
+      for (const std::string_view element : kOptionElements)
+        out += parameter_table(std::string(element) + " option",
+                               entry.backend->element_options(element), style);
       out += provenance_table(*entry.backend, style);
       out += capability_table(entry.backend->capabilities(), style);
     }
@@ -209,7 +211,8 @@ Json to_json(const Inventory& inventory) {
         item["provenance"] = cli::to_json(*provenance);
       }
       item["world_options"] = to_json(entry.backend->world_options());
-      item["assembly_options"] = to_json(entry.backend->assembly_options());
+      for (const std::string_view element : kOptionElements)
+        item[std::string(element) + "_options"] = to_json(entry.backend->element_options(element));
       Json& capabilities = item["capabilities"] = Json::object();
       for (const auto& [feature, capability] : entry.backend->capabilities().all()) {
         capabilities[feature] = {{"support", to_string(capability.support)},

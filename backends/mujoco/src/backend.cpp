@@ -110,6 +110,9 @@ class MujocoBackend final : public Backend {
   }
   const Capabilities& capabilities() const override { return capabilities_; }
   const ParameterTable& world_options() const override { return world_option_table(); }
+  const ParameterTable& element_options(std::string_view element) const override {
+    return element_option_table(element);
+  }
   Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
     return MujocoWorld::create(model);
   }

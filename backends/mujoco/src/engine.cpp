@@ -15,13 +15,14 @@ void on_error(const char* message) {
 }
 
 /// Called by MuJoCo before it looks for forces. The solref of contacts that bounce has next to no
-/// damping, by which friction would not act on what slides: its rows get the damping of others,
-/// whose solref our models have in options that are unused without the flag `override`.
+/// damping, by which friction would not act on what slides: its rows get the damping of others.
+/// That solref, and by its stiffness which contacts bounce, our models have in options that are
+/// unused without the flag `override`.
 void keep_friction(const mjModel* m, mjData* d) {
   const mjtNum* const usual = m->opt.o_solref;
   for (int i = 0; i < (m->opt.o_margin < 0 ? d->ncon : 0); ++i) {
     const mjContact& it = d->contact[i];
-    if (it.efc_address < 0 || it.dim == 1 || it.solref[0] == usual[0]) continue;
+    if (it.efc_address < 0 || it.dim == 1 || it.solref[0] != m->opt.o_solimp[0]) continue;
     const mjtNum wanted = usual[0] > 0
                               ? 2 / (it.solimp[1] * std::max(usual[0], 2 * m->opt.timestep))
                               : -usual[1] / it.solimp[1];

@@ -49,7 +49,6 @@ class Writer {
   const Joint& joint(int j) const { return scene_.joints[j]; }
   bool grounded(int b) const { return b == kWorld || body(b).kind != BodyKind::dynamic; }
 
-  Result<> check() const;
   Result<> check_loop(const Joint& joint) const;
   void grow_trees();
   void find_exclusions();
@@ -70,43 +69,25 @@ class Writer {
   std::vector<SurfaceGeom> surface_geoms_;
 };
 
-Result<> Writer::check() const {
-  if (auto fine = check_motors(scene_); !fine) return fine;
-  for (const Body& b : scene_.bodies) {
-    if (b.removed || b.kind == BodyKind::static_body) continue;
-    for (const Shape& shape : b.shapes)
-      if (shape.collides && is_surface(shape.type))
-        return fail("body '" + b.name + "': MuJoCo has a " + to_string(shape.type) +
-                        " on static bodies only",
-                    source_position(scene_, b.origin),
-                    "make the body static, or give it another shape");
-  }
-  return {};
-}
-
 Result<> Writer::check_loop(const Joint& joint) const {
-  const std::string name = "joint '" + joint.name + "': ";
-  const SourcePosition position = source_position(scene_, joint.origin);
-  const char* const remedy =
-      "let another joint of the loop be the last one in the file, or attach by a plain hinge, ball "
-      "or fixed joint";
-  if (joint.type != JointType::hinge && joint.type != JointType::ball &&
-      joint.type != JointType::fixed) {
-    return fail(name + "MuJoCo closes no loop with a " + to_string(joint.type) +
-                    " joint, and attaches no bodies by one",
-                position, remedy);
-  }
+  const bool has_type = joint.type == JointType::hinge || joint.type == JointType::ball ||
+                        joint.type == JointType::fixed;
   const bool lawless = std::all_of(joint.axes.begin(), joint.axes.end(), [](const JointAxis& a) {
     return !a.has_limit() && a.damping == 0 && a.friction == 0 && a.stiffness == 0;
   });
-  const auto driven = std::find_if(scene_.motors.begin(), scene_.motors.end(), [&](const Motor& m) {
+  const bool driven = std::any_of(scene_.motors.begin(), scene_.motors.end(), [&](const Motor& m) {
     return !m.removed && &this->joint(m.joint) == &joint;
   });
-  if (lawless && driven == scene_.motors.end()) return {};
-  return fail(
-      name + "it closes a loop or attaches bodies to each other: MuJoCo's constraints for that " +
-          "have no limits, springs, dampers, friction or motors",
-      position, remedy);
+  if (has_type && lawless && !driven) return {};
+  return fail("joint '" + joint.name + "': " +
+                  (has_type ? "it closes a loop or attaches bodies to each other: MuJoCo's "
+                              "constraints for that have no limits, springs, dampers, friction or "
+                              "motors"
+                            : std::string("MuJoCo closes no loop with a ") + to_string(joint.type) +
+                                  " joint, and attaches no bodies by one"),
+              source_position(scene_, joint.origin),
+              "let another joint of the loop be the last one in the file, or attach by a plain "
+              "hinge, ball or fixed joint");
 }
 
 void Writer::grow_trees() {
@@ -220,15 +201,20 @@ Result<> Writer::write_geoms(int b, const Pose& X_WB) {
     const Shape& shape = it.shapes[s];
     Pose X = X_WB * shape.X_BS;
     if (!shape.collides || is_far(X)) continue;
+    if (it.kind != BodyKind::static_body && is_surface(shape.type))
+      return fail("body '" + it.name + "': MuJoCo has a " + to_string(shape.type) +
+                      " on static bodies only",
+                  source_position(scene_, it.origin),
+                  "make the body static, or give it another shape");
     const auto form = geom_form(shape, X);
     if (!form) return tl::unexpected(form.error());
     surface_geoms_.push_back({b, shape.material, mobile});
     // What does not move does not meet its like.
     bodies_ += fmt::format(
-        "<geom name=\"g{}\" class=\"{}\" {} pos=\"{}\" quat=\"{}\" contype=\"{}\" "
+        "<geom name=\"g{}\" class=\"s{}\" {} pos=\"{}\" quat=\"{}\" contype=\"{}\" "
         "conaffinity=\"{}\"/>\n",
-        out_.geoms.size(), surface_class(surface_geoms_.back()), *form, text(X.p), text(X.q),
-        mobile ? 1 : 2, mobile ? 3 : 1);
+        out_.geoms.size(), shape.material, *form, text(X.p), text(X.q), mobile ? 1 : 2,
+        mobile ? 3 : 1);
     out_.geoms.emplace_back(b, static_cast<int>(s));
   }
   return {};
@@ -273,14 +259,14 @@ void Writer::write_joint(int j) {
     if (!slave) {
       bodies_ += fmt::format(
           "damping=\"{}\" frictionloss=\"{}\" stiffness=\"{}\" armature=\"{}\" {} ", law.damping,
-          law.friction, law.stiffness, law.rotor_inertia, out_.options.joint);
+          law.friction, law.stiffness, law.rotor_inertia, out_.options.joint(it));
       if (!ball) bodies_ += fmt::format("springref=\"{}\" ", law.rest);
       // The bounds themselves may be one number, or infinite, and are set in the compiled model.
       if (law.has_limit()) bodies_ += "limited=\"true\" range=\"0 1\" ";
     } else {
       equalities_ +=
           fmt::format("<joint joint1=\"j{0}_1\" joint2=\"j{0}_0\" polycoef=\"0 {1} 0 0 0\" {2}/>\n",
-                      j, slope, out_.options.equality);
+                      j, slope, out_.options.equality(it.engine_options));
     }
     bodies_ += "/>\n";
   }
@@ -318,7 +304,7 @@ void Writer::write_equality(int j) {
     return b == kWorld ? std::string("world") : fmt::format("b{}", b);
   };
   const std::string ends = fmt::format("body1=\"{}\" body2=\"{}\" {}", name(it.parent),
-                                       name(it.child), out_.options.equality);
+                                       name(it.child), out_.options.equality(it.engine_options));
   if (it.type == JointType::fixed) {
     equalities_ += fmt::format("<weld name=\"e{}_0\" {}/>\n", j, ends);
     return;
@@ -337,7 +323,7 @@ void Writer::write_equality(int j) {
   }
 }
 
-// A tendon whose length is that of the joint less ratio times that of the others, held at the
+// One joint that follows one other as MuJoCo has it. Else a tendon whose length is that of the joint less ratio times that of the others, held at the
 // offset: MuJoCo takes off its length in the reference, where all are zero.
 void Writer::write_couplings() {
   for (std::size_t k = 0; k < scene_.couplings.size(); ++k) {
@@ -346,12 +332,19 @@ void Writer::write_couplings() {
     terms.insert(terms.end(), it.terms.begin(), it.terms.end());
     const auto held = [&](const CouplingTerm& t) { return out_.joints[t.joint].body >= 0; };
     if (it.removed || !std::all_of(terms.begin(), terms.end(), held)) continue;
+    const std::string soft = out_.options.equality(it.engine_options);
+    if (it.terms.size() == 1) {
+      equalities_ +=
+          fmt::format("<joint joint1=\"j{}_0\" joint2=\"j{}_0\" polycoef=\"{} {} 0 0 0\" {}/>\n",
+                      it.joint, it.terms[0].joint, it.offset, it.terms[0].ratio, soft);
+      continue;
+    }
     tendons_ += fmt::format("<fixed name=\"t{}\">", k);
     for (const CouplingTerm& t : terms)
       tendons_ += fmt::format("<joint joint=\"j{}_0\" coef=\"{}\"/>", t.joint, -t.ratio);
     tendons_ += "</fixed>\n";
-    equalities_ += fmt::format("<tendon tendon1=\"t{}\" polycoef=\"{} 0 0 0 0\" {}/>\n", k,
-                               it.offset, out_.options.equality);
+    equalities_ +=
+        fmt::format("<tendon tendon1=\"t{}\" polycoef=\"{} 0 0 0 0\" {}/>\n", k, it.offset, soft);
   }
 }
 
@@ -372,7 +365,6 @@ void Writer::write_actuators() {
 }
 
 Result<std::string> Writer::write() {
-  if (auto fine = check(); !fine) return tl::unexpected(fine.error());
   out_.joints.assign(scene_.joints.size(), {});
   out_.actuators.assign(scene_.motors.size(), -1);
   grow_trees();

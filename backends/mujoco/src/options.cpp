@@ -14,11 +14,6 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-/// A pair (timeconst, dampratio), both positive, or (-stiffness, -damping), neither positive.
-bool fits_solref(const Numbers& v) {
-  return v.size() == 2 && ((v[0] > 0 && v[1] > 0) || (v[0] <= 0 && v[1] <= 0));
-}
-
 std::string text_of(const ParameterValue& value) {
   return std::visit(
       [](const auto& v) -> std::string {
@@ -30,7 +25,36 @@ std::string text_of(const ParameterValue& value) {
       value);
 }
 
+/// Of those options of MJCF's own names.
+std::string attributes(const Parameters& all, std::initializer_list<const char*> names) {
+  std::string out;
+  for (const char* name : names)
+    out += fmt::format("{}{}=\"{}\"", out.empty() ? "" : " ", name, text_of(all.at(name)));
+  return out;
+}
+
+Result<> check_lists(const Parameters& options, const SourcePosition& position) {
+  const auto fits = [](const Numbers& v) {
+    return v.size() == 2 && ((v[0] > 0 && v[1] > 0) || (v[0] <= 0 && v[1] <= 0));
+  };
+  for (const auto& [name, value] : options) {
+    if (name.rfind("solref", 0) == 0 && !fits(std::get<Numbers>(value)))
+      return fail("'" + name + "' must be two numbers, both positive (timeconst, " +
+                      "dampratio) or both not positive (-stiffness, -damping)",
+                  position);
+    if (name.rfind("solimp", 0) == 0 && std::get<Numbers>(value).size() != 5)
+      return fail("'" + name + "' must be five numbers", position);
+  }
+  return {};
+}
+
 }  // namespace
+
+// As stiff as bounces in some dozen steps.
+double bounce_stiffness(const SceneModel& model) {
+  const double frequency = 1.0 / (4.0 * model.physics.step);
+  return -frequency * frequency;
+}
 
 std::string numbers(const double* values, std::size_t count) {
   return fmt::format("{}", fmt::join(values, values + count, " "));
@@ -43,8 +67,7 @@ const ParameterTable& world_option_table() {
                      what + ": timeconst [s] and dampratio, or -stiffness and -damping");
   };
   const auto solimp = [&](const char* name, const std::string& what) {
-    return parameter(name, imp, "", what + ": dmin, dmax, width, midpoint, power")
-        .range(0.0001, 1e3);
+    return parameter(name, imp, "", what + ": dmin, dmax, width, midpoint, power").range(0, 1e3);
   };
   static const ParameterTable table = {
       parameter("integrator", "Euler",
@@ -73,44 +96,83 @@ const ParameterTable& world_option_table() {
       solimp("solimplimit", "of joints' limits"),
       solref("solreffriction", "of joints' dry friction"),
       solimp("solimpfriction", "of joints' dry friction"),
-      solref("solrefequality", "of joints that close loops, and of screws"),
-      solimp("solimpequality", "of joints that close loops, and of screws"),
+      solref("solrefequality", "of joints that close loops, of screws and of couplings"),
+      solimp("solimpequality", "of joints that close loops, of screws and of couplings"),
   };
   return table;
 }
 
+const ParameterTable& element_option_table(std::string_view element) {
+  const auto of_world = [](std::initializer_list<std::string_view> names) {
+    ParameterTable out;
+    for (const ParameterSpec& spec : world_option_table())
+      if (std::find(names.begin(), names.end(), spec.name) != names.end()) out.push_back(spec);
+    return out;
+  };
+  static const ParameterTable none, couple = of_world({"solrefequality", "solimpequality"});
+  static const ParameterTable joint =
+      of_world({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "solrefequality",
+                "solimpequality"});
+  static const ParameterTable material = [&] {
+    ParameterTable out = of_world({"solref", "solimp", "margin"});
+    out.push_back(
+        parameter("gap", 0.0, "m", "part of the margin in which nothing pushes").range(0, 1));
+    out.push_back(parameter("solmix", 1.0, "weight where two materials' are mixed").range(0, 1e10));
+    out.push_back(
+        parameter("priority", 0, "the higher one's solref and solimp hold").range(-1e3, 1e3));
+    return out;
+  }();
+  return element == "material" ? material
+         : element == "joint"  ? joint
+         : element == "couple" ? couple
+                               : none;
+}
+
+Parameters Options::with(const std::map<std::string, Parameters>& blocks) const {
+  const auto own = blocks.find("mujoco");
+  if (own == blocks.end()) return values;
+  Parameters out = own->second;
+  out.insert(values.begin(), values.end());
+  return out;
+}
+
+std::string Options::joint(const Joint& joint) const {
+  return attributes(with(joint.engine_options),
+                    {"solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
+}
+
+std::string Options::equality(const std::map<std::string, Parameters>& blocks) const {
+  const Parameters all = with(blocks);
+  return fmt::format("solref=\"{}\" solimp=\"{}\"", text_of(all.at("solrefequality")),
+                     text_of(all.at("solimpequality")));
+}
+
 Result<Options> read_options(const SceneModel& model) {
-  const auto options = physics_options(model, "mujoco", world_option_table());
+  auto options = physics_options(model, "mujoco", world_option_table());
   if (!options) return tl::unexpected(options.error());
-  const SourcePosition position = source_position(model, model.physics.origin);
+  Result<> fine = check_lists(*options, source_position(model, model.physics.origin));
+  const auto check = [&](const auto& elements) {
+    for (const auto& it : elements)
+      if (const auto own = it.engine_options.find("mujoco"); fine && own != it.engine_options.end())
+        fine = check_lists(own->second, source_position(model, it.origin));
+  };
+  check(model.materials);
+  check(model.joints);
+  check(model.couplings);
+  if (!fine) return tl::unexpected(fine.error());
   const auto text = [&](const std::string& name) { return text_of(options->at(name)); };
-  for (const std::string about : {"", "limit", "friction", "equality"}) {
-    if (!fits_solref(std::get<Numbers>(options->at("solref" + about))))
-      return fail("'solref" + about + "' must be two numbers, both positive (timeconst, " +
-                      "dampratio) or both not positive (-stiffness, -damping)",
-                  position);
-    if (std::get<Numbers>(options->at("solimp" + about)).size() != 5)
-      return fail("'solimp" + about + "' must be five numbers", position);
-  }
   Options out;
   out.implicit = text("integrator") == "implicit";
   out.option =
-      fmt::format("timestep=\"{}\" gravity=\"{}\" noslip_iterations=\"{}\"", model.physics.step,
-                  numbers(model.physics.gravity.data(), 3), text("noslip-iterations"));
-  for (const char* name :
-       {"integrator", "solver", "cone", "jacobian", "iterations", "tolerance", "impratio"}) {
-    out.option += fmt::format(" {}=\"{}\"", name, text(name));
-  }
-  out.option +=
-      fmt::format(" o_margin=\"-1\" o_solref=\"{}\"", text("solref"));  // see keep_friction()
+      fmt::format("timestep=\"{}\" gravity=\"{}\" noslip_iterations=\"{}\" ", model.physics.step,
+                  numbers(model.physics.gravity.data(), 3), text("noslip-iterations")) +
+      attributes(*options, {"integrator", "solver", "cone", "jacobian", "iterations", "tolerance",
+                            "impratio"});
+  // See keep_friction().
+  out.option += fmt::format(" o_margin=\"-1\" o_solref=\"{}\" o_solimp=\"{}\"", text("solref"),
+                            bounce_stiffness(model));
   out.flag = fmt::format("filterparent=\"disable\" multiccd=\"{}\"", text("multiccd"));
-  out.solref = text("solref");
-  out.contact = fmt::format("solimp=\"{}\" margin=\"{}\"", text("solimp"), text("margin"));
-  out.joint = fmt::format(
-      "solreflimit=\"{}\" solimplimit=\"{}\" solreffriction=\"{}\" solimpfriction=\"{}\"",
-      text("solreflimit"), text("solimplimit"), text("solreffriction"), text("solimpfriction"));
-  out.equality =
-      fmt::format("solref=\"{}\" solimp=\"{}\"", text("solrefequality"), text("solimpequality"));
+  out.values = std::move(*options);
   return out;
 }
 

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
-#include <set>
+#include <tuple>
 
 namespace cogrsim::mujoco {
 
@@ -24,95 +25,118 @@ double damping_ratio(double restitution) {
   return low;
 }
 
-/// The surface of a pair, as attributes of a geom or pair.
+/// A contact as MuJoCo has it.
+struct ContactLaw {
+  std::array<double, 3> friction{};  ///< sliding, spinning, rolling
+  std::array<double, 2> solref{};
+  std::array<double, 5> solimp{};
+  double margin = 0.0, gap = 0.0;
+  bool operator==(const ContactLaw& o) const {
+    return std::tie(friction, solref, solimp, margin, gap) ==
+           std::tie(o.friction, o.solref, o.solimp, o.margin, o.gap);
+  }
+};
+struct Own : ContactLaw {
+  double mix = 1.0;
+  std::int64_t priority = 0;
+};
+
+/// What MuJoCo makes of two geoms, see mj_contactParam().
+ContactLaw combined(const Own& a, const Own& b) {
+  ContactLaw out = a.priority >= b.priority ? a : b;
+  out.margin = std::max(a.margin, b.margin);
+  out.gap = std::max(a.gap, b.gap);
+  if (a.priority != b.priority) return out;
+  const bool a_has = a.mix >= mjMINVAL, b_has = b.mix >= mjMINVAL;
+  const double share = a_has && b_has ? a.mix / (a.mix + b.mix) : 0.5 + 0.5 * (a_has - b_has);
+  const bool times = a.solref[0] > 0.0 && b.solref[0] > 0.0;  // else stiffness and damping
+  for (std::size_t i = 0; i < 3; ++i) out.friction[i] = std::max(a.friction[i], b.friction[i]);
+  for (std::size_t i = 0; i < 2; ++i)
+    out.solref[i] = times ? share * a.solref[i] + (1.0 - share) * b.solref[i]
+                          : std::min(a.solref[i], b.solref[i]);
+  for (std::size_t i = 0; i < 5; ++i)
+    out.solimp[i] = share * a.solimp[i] + (1.0 - share) * b.solimp[i];
+  return out;
+}
+
+std::string text(const ContactLaw& it, bool of_pair) {
+  // Without friction a contact has one row: a pyramid without width would have four equal ones.
+  const auto [slide, spin, roll] = it.friction;
+  const int dimensions = roll > 0 ? 6 : spin > 0 ? 4 : slide > 0 ? 3 : 1;
+  return fmt::format(
+      "condim=\"{}\" friction=\"{}{} {} {}{}\" solref=\"{}\" solimp=\"{}\" margin=\"{}\" "
+      "gap=\"{}\"",
+      dimensions, slide, of_pair ? fmt::format(" {}", slide) : "", spin, roll,
+      of_pair ? fmt::format(" {}", roll) : "", numbers(it.solref.data(), 2),
+      numbers(it.solimp.data(), 5), it.margin, it.gap);
+}
+
+/// What the scene has for materials, and what holds between two.
 class Terms {
  public:
-  Terms(const SceneModel& model, const Options& options) : model_(model), options_(options) {}
-
-  const SurfacePair& of(int material_a, int material_b) {
-    const std::pair<int, int> key = std::minmax(material_a, material_b);
-    const auto [entry, is_new] = known_.try_emplace(key);
-    if (is_new) entry->second = surface_pair(model_, material_a, material_b);
-    return entry->second;
+  Terms(const SceneModel& model, const Options& options) : model_(model) {
+    for (std::size_t m = 0; m < model.materials.size(); ++m) {
+      Parameters all = options.with(model.materials[m].engine_options);
+      for (const ParameterSpec& spec : element_option_table("material"))
+        all.emplace(spec.name, spec.default_value);
+      Own& own = own_.emplace_back();
+      const auto& ref = std::get<std::vector<double>>(all.at("solref"));
+      const auto& imp = std::get<std::vector<double>>(all.at("solimp"));
+      std::copy_n(ref.begin(), 2, own.solref.begin());
+      std::copy_n(imp.begin(), 5, own.solimp.begin());
+      own.margin = std::get<double>(all.at("margin"));
+      own.gap = std::get<double>(all.at("gap"));
+      own.mix = std::get<double>(all.at("solmix"));
+      own.priority = std::get<std::int64_t>(all.at("priority"));
+      set_surface(own, static_cast<int>(m), static_cast<int>(m));
+    }
   }
 
-  std::string text(const SurfacePair& surface, bool of_pair) const {
-    // Without friction a contact has one row: a pyramid without width would have four equal ones.
-    const double slide = surface.friction, spin = surface.spinning_friction;
-    const double roll = surface.rolling_friction;
-    return fmt::format("condim=\"{}\" friction=\"{}{} {} {}{}\" solref=\"{}\" {}",
-                       roll > 0    ? 6
-                       : spin > 0  ? 4
-                       : slide > 0 ? 3
-                                   : 1,
-                       slide, of_pair ? fmt::format(" {}", slide) : "", spin, roll,
-                       of_pair ? fmt::format(" {}", roll) : "", solref(surface.restitution),
-                       options_.contact);
+  const Own& of(int material) const { return own_[material]; }
+  ContactLaw of(int a, int b) const {
+    ContactLaw out = combined(own_[a], own_[b]);
+    set_surface(out, a, b);
+    return out;
   }
 
  private:
-  std::string solref(double restitution) const {
-    if (restitution <= std::exp(-2.0)) return options_.solref;
-    // As stiff as bounces in some dozen steps.
-    const double frequency = 1.0 / (4.0 * model_.physics.step);
-    const double values[] = {-frequency * frequency, -2.0 * damping_ratio(restitution) * frequency};
-    return numbers(values, 2);
+  void set_surface(ContactLaw& out, int a, int b) const {
+    const SurfacePair surface = surface_pair(model_, a, b);
+    out.friction = {surface.friction, surface.spinning_friction, surface.rolling_friction};
+    if (surface.restitution <= std::exp(-2.0)) return;
+    const double stiffness = bounce_stiffness(model_);
+    out.solref = {stiffness, -2.0 * damping_ratio(surface.restitution) * std::sqrt(-stiffness)};
   }
 
   const SceneModel& model_;
-  const Options& options_;
-  std::map<std::pair<int, int>, SurfacePair> known_;
+  std::vector<Own> own_;
 };
-
-bool same(const SurfacePair& a, const SurfacePair& b) {
-  return a.friction == b.friction && a.restitution == b.restitution &&
-         a.rolling_friction == b.rolling_friction && a.spinning_friction == b.spinning_friction;
-}
 
 }  // namespace
 
-std::string surface_class(const SurfaceGeom& geom) {
-  return fmt::format("s{}{}", geom.material, geom.mobile ? 'm' : 's');
-}
-
 Surfaces choose_surfaces(const SceneModel& model, const Options& options,
                          const std::vector<SurfaceGeom>& geoms) {
-  Terms terms(model, options);
-  std::map<int, int> moving;  // geoms by material; what is slick is so beside whatever there is
-  for (const SurfaceGeom& geom : geoms)
-    moving[geom.material] += geom.mobile && terms.of(geom.material, geom.material).friction > 0;
-  const auto most =
-      std::max_element(moving.begin(), moving.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  const int usual = most == moving.end() ? -1 : most->first;
-  // What is of the usual material and moves comes last; all else has the surface that is right where
-  // it meets that. What is slick there is so everywhere, and comes first.
-  const auto priority = [&](const SurfaceGeom& geom) {
-    if (geom.mobile && geom.material == usual) return 0;
-    return terms.of(usual, geom.material).friction > 0 ? 1 : 2;
-  };
+  const Terms terms(model, options);
   Surfaces out;
-  std::vector<SurfacePair> own;
-  std::set<std::string> classes;
-  for (const SurfaceGeom& geom : geoms) {
-    own.push_back(terms.of(usual, geom.material));
-    const std::string name = surface_class(geom);
-    if (!classes.insert(name).second) continue;
-    out.classes += fmt::format("<default class=\"{}\"><geom priority=\"{}\" {}/></default>\n", name,
-                               priority(geom), terms.text(own.back(), false));
-  }
-  // The other pairs, one by one.
+  std::map<int, std::vector<std::size_t>> by_material;
+  for (std::size_t g = 0; g < geoms.size(); ++g) by_material[geoms[g].material].push_back(g);
   const CollisionFilter filter(model);
-  for (std::size_t a = 0; a < geoms.size(); ++a) {
-    for (std::size_t b = a + 1; b < geoms.size(); ++b) {
-      const SurfaceGeom &one = geoms[a], &two = geoms[b];
-      if (!one.mobile && !two.mobile) continue;
-      const SurfacePair& wanted = terms.of(one.material, two.material);
-      const bool a_fits = priority(one) < priority(two) || same(wanted, own[a]);
-      const bool b_fits = priority(two) < priority(one) || same(wanted, own[b]);
-      if ((a_fits && b_fits) || !filter.collide(one.body, two.body)) continue;
-      out.pairs +=
-          fmt::format("<pair geom1=\"g{}\" geom2=\"g{}\" {}/>\n", a, b, terms.text(wanted, true));
+  for (auto one = by_material.begin(); one != by_material.end(); ++one) {
+    const auto& [a, of_a] = *one;
+    out.classes +=
+        fmt::format("<default class=\"s{}\"><geom priority=\"{}\" solmix=\"{}\" {}/></default>\n",
+                    a, terms.of(a).priority, terms.of(a).mix, text(terms.of(a), false));
+    for (auto two = one; two != by_material.end(); ++two) {
+      const auto& [b, of_b] = *two;
+      const ContactLaw wanted = terms.of(a, b);
+      if (wanted == combined(terms.of(a), terms.of(b))) continue;
+      const std::string surface = text(wanted, true);
+      for (const std::size_t i : of_a)
+        for (const std::size_t k : of_b)
+          if ((a != b || i < k) && (geoms[i].mobile || geoms[k].mobile) &&
+              filter.collide(geoms[i].body, geoms[k].body))
+            out.pairs += fmt::format("<pair geom1=\"g{}\" geom2=\"g{}\" {}/>\n", std::min(i, k),
+                                     std::max(i, k), surface);
     }
   }
   return out;

@@ -6,9 +6,6 @@
 
 #include "convert.h"
 
-#include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
-
 namespace cogrsim::mujoco {
 
 namespace {
@@ -20,47 +17,53 @@ bool any_bad(const double* from, const double* to) {
 
 int clamped(double value) { return static_cast<int>(std::min(value, 2e9)); }
 
-/// The state `now` with what `scene` has beyond it, and beyond the first `joints` joints.
-WorldState with_new(const SceneModel& scene, std::size_t joints, const WorldState& now) {
-  WorldState out = extended_state(scene, now);
-  for (std::size_t b = now.poses.size(); b < scene.bodies.size(); ++b)
-    if (scene.bodies[b].kind == BodyKind::static_body) out.twists[b] = {};
-  for (std::size_t j = joints; j < scene.joints.size(); ++j) {
-    double* const q = out.joint_positions.data() + scene.joints[j].position_offset;
-    std::transform(q, q + position_count(scene.joints[j].type), q, settled);
-  }
-  return out;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<World>> MujocoWorld::create(const SceneModelPtr& model) {
-  const auto program = make_program(model, initial_state(*model).poses, {}, {});
-  if (!program) return tl::unexpected(program.error());
   std::unique_ptr<MujocoWorld> world(new MujocoWorld);
-  world->initial_ = *program;
-  if (auto begun = world->reset(); !begun) return tl::unexpected(begun.error());
+  if (auto begun = world->start(model); !begun) return tl::unexpected(begun.error());
   return world;
+}
+
+Result<> MujocoWorld::build(const SceneModelPtr& model, const WorldState& begin) {
+  ProgramPtr program = initial_;
+  if (!program || program->scene != model) {
+    auto made = make_program(model, begin.poses, {}, {});
+    if (!made) return tl::unexpected(made.error());
+    program = *made;
+  }
+  if (auto adopted = adopt(program); !adopted) return adopted;
+  initial_ = program;
+  put_state(begin, 0);
+  // Turns as MuJoCo's compiler normalised them.
+  for (const int i : program_->free_qpos)
+    if (i >= 0 && vec_at(model_->qpos0 + i) == vec_at(data_->qpos + i))
+      std::copy_n(model_->qpos0 + i, 7, data_->qpos + i);
+  return {};
+}
+
+Result<> MujocoWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
+                              const SceneChange& change) {
+  const std::size_t first = program_->references.size();
+  const auto program = make_program(next, begin.poses, program_->references, change.attached);
+  if (!program) return tl::unexpected(program.error());
+  if (auto adopted = adopt(*program); !adopted) return adopted;
+  put_state(begin, first);
+  return {};
 }
 
 Result<> MujocoWorld::adopt(const ProgramPtr& program) {
   mjModel* copy = nullptr;
-  auto done = guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); });
+  const auto done = guarded([&] { copy = mj_copyModel(nullptr, program->model.get()); });
   if (!done) return done;
-  ModelOwner other_model(copy);
-  ProgramPtr other_program = program;
-  std::swap(other_model, model_);
-  std::swap(other_program, program_);
-  done = make_room(contact_room_, stack_room_);
-  if (!done) {
-    std::swap(other_model, model_);
-    std::swap(other_program, program_);
-  }
-  return done;
+  ModelOwner model(copy);
+  if (auto made = make_room(*model, contact_room_, stack_room_); !made) return made;
+  model_ = std::move(model);
+  program_ = program;
+  return {};
 }
 
-Result<> MujocoWorld::make_room(double contacts, double stack) {
-  mjModel& m = *model_;
+Result<> MujocoWorld::make_room(mjModel& m, double contacts, double stack) {
   const auto movable = std::count(m.geom_conaffinity, m.geom_conaffinity + m.ngeom, 3);
   m.nconmax = clamped(contacts * (16.0 + 2.0 * static_cast<double>(movable)));
   m.njmax = clamped(16.0 + m.nemax + m.njnt + 4.0 * m.nconmax);  // a matrix has its square
@@ -74,47 +77,6 @@ Result<> MujocoWorld::make_room(double contacts, double stack) {
   contact_room_ = contacts;
   stack_room_ = stack;
   kinematics_ = Kinematics::none;
-  return {};
-}
-
-Result<> MujocoWorld::reset() {
-  if (auto adopted = adopt(initial_); !adopted) return adopted;
-  time_ = 0.0;
-  kept_ = with_new(*program_->scene, 0, {});
-  kinematic_ = kept_.twists;
-  put_kept_state();
-  forget_reports();
-  // Turns as MuJoCo's compiler normalised them.
-  for (const int i : program_->free_qpos)
-    if (i >= 0 && vec_at(model_->qpos0 + i) == vec_at(data_->qpos + i))
-      std::copy_n(model_->qpos0 + i, 7, data_->qpos + i);
-  return {};
-}
-
-Result<> MujocoWorld::change_to(const SceneModelPtr& next, SceneStep step) {
-  const auto change = find_scene_change(*program_->scene, *next, step);
-  if (!change) return tl::unexpected(change.error());
-  find_kinematics(Kinematics::now);
-  auto fits = check_attachments(*next, *change, [&](int b) { return pose_of(b); });
-  if (!fits) return fits;
-  WorldState now;
-  get_state(now);
-  std::vector<Contact> contacts;
-  get_contacts(contacts);
-  now = with_new(*next, program_->references.size(), now);
-  const auto program = make_program(next, now.poses, program_->references, change->attached);
-  if (!program) return tl::unexpected(program.error());
-  if (auto adopted = adopt(*program); !adopted) return adopted;
-  kept_ = std::move(now);
-  kinematic_.insert(kinematic_.end(),
-                    kept_.twists.begin() + static_cast<std::ptrdiff_t>(kinematic_.size()),
-                    kept_.twists.end());
-  put_kept_state();
-  forget_reports();
-  const auto here = [&](int b) { return program_->bodies[b] >= 0; };
-  for (const Contact& contact : contacts)
-    if (here(contact.body_a) && here(contact.body_b)) kept_contacts_.push_back(contact);
-  for (const int b : change->kinds) kept_.twists[b] = {};
   return {};
 }
 
@@ -189,16 +151,17 @@ void MujocoWorld::hold_kinematic() {
   for (const int body : program_->kinematic) {
     const auto b = static_cast<std::size_t>(body);
     const double* const qpos = data_->qpos + program_->free_qpos[b];
-    put_free(b, {vec_at(qpos), quat_at(qpos + 3)}, kinematic_[b]);
+    put_free(b, {vec_at(qpos), quat_at(qpos + 3)}, twists()[b]);
     // Nothing pulls at it.
     const int i = program_->bodies[b];
     put(data_->xfrc_applied + 6 * i, Vec3(-model_->body_mass[i] * vec_at(model_->opt.gravity)));
   }
 }
 
-StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
+StepResult MujocoWorld::advance(double dt, const std::vector<Drive>& drives,
+                                const std::vector<double>&) {
   if (unchecked_) {
-    if (const int bad = find_bad(); bad >= 0) return diverged(bad, "");
+    if (const int bad = find_bad(); bad >= 0) return lost(bad, "");
     unchecked_ = false;
   }
   get_coordinates(before_);
@@ -221,15 +184,15 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
     }
     if (!done) data_->pstack = 0;
     if (!done && done.error().message != "MuJoCo: Stack overflow")
-      return diverged(-1, done.error().message);
+      return lost(-1, done.error().message);
     // Its memory was too small: the step is undone, and repeated with more.
-    const auto made = make_room(contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
-    if (!made) return diverged(-1, made.error().message);
+    const auto made =
+        make_room(*model_, contact_room_ * (done ? 1.25 : 1.0), stack_room_ * (done ? 1 : 2));
+    if (!made) return lost(-1, made.error().message);
     put_back(before_);
   }
-  if (const int bad = find_bad(); bad >= 0) return diverged(bad, "");
+  if (const int bad = find_bad(); bad >= 0) return lost(bad, "");
   hold_kinematic();
-  time_ += dt;
   stepped_ = true;
   find_responses();
   kinematics_ = Kinematics::none;
@@ -237,16 +200,13 @@ StepResult MujocoWorld::step(double dt, const std::vector<Drive>& drives) {
   return {};
 }
 
-StepResult MujocoWorld::diverged(int body, const std::string& what) {
+StepResult MujocoWorld::lost(int body, const std::string& what) {
   // Without a step before, the coordinates are those that were set.
   if (!unchecked_) put_back(before_);
   std::memset(data_->warning, 0, sizeof data_->warning);
-  forget_reports();
+  forget_step();
   if (body < 0) return {StepStatus::diverged, body, what};
-  return {StepStatus::diverged, body,
-          "body '" + program_->scene->bodies[body].name +
-              "' has left MuJoCo's bounds (1e10 of its position, velocity, acceleration or " +
-              "effort) or is not a number"};
+  return diverged(body, "1e10 of its position, velocity, acceleration or effort");
 }
 
 int MujocoWorld::find_bad() const {
@@ -267,12 +227,9 @@ int MujocoWorld::find_bad() const {
   return -1;
 }
 
-Result<> MujocoWorld::set_kinematic_twist(int body, const Twist& twist) {
-  if (auto fine = check_kinematic_twist(*program_->scene, body, twist); !fine) return fine;
-  kinematic_[body] = twist;
+void MujocoWorld::move_kinematic(int) {
   hold_kinematic();
   kinematics_ = Kinematics::none;
-  return {};
 }
 
 }  // namespace cogrsim::mujoco

@@ -8,55 +8,53 @@
 #include "engine.h"
 #include "program.h"
 
-#include "cogrsim/physics/scene_change.h"
-#include "cogrsim/physics/warnings.h"
-#include "cogrsim/physics/world.h"
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/hosted_world.h"
 
 namespace cogrsim::mujoco {
 
-class MujocoWorld final : public World,
-                          public JointReactions,
-                          public KinematicDrive,
-                          public ExternalForces,
-                          public WorldWarnings {
+class MujocoWorld final : public HostedWorld {
  public:
   static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
-  const SceneModelPtr& model() const override { return program_->scene; }
-  double time() const override { return time_; }
-  StepResult step(double dt, const std::vector<Drive>& drives) override;
-  void get_state(WorldState& out) const override;
-  Result<> set_state(const WorldState& state) override;
-  void get_contacts(std::vector<Contact>& out) const override;
-  Result<> add(const SceneModelPtr& next) override { return change_to(next, SceneStep::add); }
-  Result<> remove(const SceneModelPtr& next) override { return change_to(next, SceneStep::remove); }
-  Result<> change(const SceneModelPtr& next) override { return change_to(next, SceneStep::change); }
-  SnapshotPtr save() const override;
-  Result<> restore(const SnapshotPtr& snapshot) override;
-  Result<> reset() override;
   std::vector<Diagnostic> warnings() const override { return program_->warnings; }
-  void* extension(std::string_view id) override {
-    return find_extension<JointReactions, KinematicDrive, ExternalForces, WorldWarnings>(this, id);
-  }
-  void get_joint_reactions(std::vector<Wrench>& out) const override;
-  Result<> set_kinematic_twist(int body, const Twist& twist) override;
 
  private:
-  struct Snapshot;
   /// Positions, velocities and what the solver starts from: all that MuJoCo holds between steps.
   struct Coordinates {
     std::vector<double> qpos, qvel, warmstart;
+  };
+  struct Memory final : HostedMemory {
+    ProgramPtr program;
+    Coordinates coordinates;
+    std::vector<double> followed, responses;
+    std::vector<int> at_bound;
   };
   /// To which coordinates mjData's poses and velocities of bodies belong.
   enum class Kinematics { none, before, now };
 
   MujocoWorld() = default;
+  const char* engine_name() const override { return "mujoco"; }
+  Result<> check(const SceneModel& model) const override { return check_motors(model); }
+  Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
+  Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
+                   const SceneChange& change) override;
+  StepResult advance(double dt, const std::vector<Drive>& drives,
+                     const std::vector<double>& efforts) override;
+  void read(WorldState& out) const override;
+  Result<> write(const WorldState& state) override;
+  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
+  void read_contacts(std::vector<Contact>& out) const override;
+  void read_reactions(std::vector<Wrench>& out) const override;
+  MemoryPtr save_memory() const override;
+  Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
+                          const WorldState& begin) override;
+  void move_kinematic(int body) override;
+
   /// A copy of `program`'s model to step, and data for it. The world is as it was when it fails.
   Result<> adopt(const ProgramPtr& program);
-  /// Data with memory for so many times the contacts of an ordinary scene, and the stack of
-  /// MuJoCo's own rule.
-  Result<> make_room(double contacts, double stack);
-  Result<> change_to(const SceneModelPtr& next, SceneStep step);
+  /// Data of `model` with memory for so many times the contacts of an ordinary scene, and the stack
+  /// of MuJoCo's own rule.
+  Result<> make_room(mjModel& model, double contacts, double stack);
 
   void set_drives(double dt, const std::vector<Drive>& drives);
   /// The speed of the axis of an actuator.
@@ -65,7 +63,7 @@ class MujocoWorld final : public World,
   void hold_kinematic();
   double response_of(int dof) const;
   void find_responses();
-  StepResult diverged(int body, const std::string& what);
+  StepResult lost(int body, const std::string& what);
   /// The first body with a number beyond MuJoCo's bounds, or that its warnings are about; -1: none.
   int find_bad() const;
 
@@ -75,19 +73,19 @@ class MujocoWorld final : public World,
   Pose pose_of(int body) const;
   Twist twist_of(int body) const;
   void read_tree_joint(std::size_t j, double* q, double* u) const;
-  void read_efforts(WorldState& out) const;
-  void put_kept_state();
+  /// The coordinates of joints from the `first` on came out of poses.
+  void put_state(const WorldState& state, std::size_t first);
   void put_joint(std::size_t j, const double* q, const double* u);
   void put_free(std::size_t b, const Pose& X, const Twist& V);
   void follow();
-  void forget_reports();
+  void forget_step();
 
   ProgramPtr initial_, program_;
   ModelOwner model_;  ///< stepped: its step, gains and bounds are those of the last step
   DataOwner data_;
   double contact_room_ = 1.0, stack_room_ = 1.0;
-  double time_ = 0.0;
   Coordinates before_;                ///< the last step
+  std::vector<double> followed_;      ///< coordinates of joints that are no joints of MuJoCo's
   std::vector<double> responses_;     ///< by actuator, what a unit of effort gives its axis
   ImplicitDrives laws_;               ///< by actuator
   bool has_external_forces_ = false;  ///< xfrc_applied has forces on bodies
@@ -95,12 +93,6 @@ class MujocoWorld final : public World,
   bool unchecked_ = true;             ///< its coordinates did not come from a step
   mutable Kinematics kinematics_ = Kinematics::none;
   mutable std::vector<double> scratch_;
-  std::vector<Twist> kinematic_;  ///< by body, as set
-  /// What mjData does not have: of removed and static bodies, coordinates of joints that are no
-  /// joints of MuJoCo's, and all reports where no step was made since they were.
-  WorldState kept_;
-  std::vector<Contact> kept_contacts_;
-  std::vector<Wrench> kept_reactions_;
 };
 
 }  // namespace cogrsim::mujoco

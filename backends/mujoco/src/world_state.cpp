@@ -8,22 +8,9 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::mujoco {
-
-struct MujocoWorld::Snapshot final : WorldSnapshot {
-  ProgramPtr initial, program;
-  double time = 0.0;
-  Coordinates coordinates;
-  std::vector<double> responses;
-  std::vector<int> at_bound;
-  std::vector<Twist> kinematic;
-  WorldState kept;
-  std::vector<Contact> contacts;
-  std::vector<Wrench> reactions;
-};
 
 void MujocoWorld::get_coordinates(Coordinates& out) const {
   const mjModel& m = *model_;
@@ -57,7 +44,8 @@ Pose MujocoWorld::pose_of(int body) const {
   if (body == kWorld) return {};
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return kept_.poses[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body)
+    return program_->static_poses[b];
   const Quat q = quat_at(data_->xquat + 4 * i);
   return {vec_at(data_->xpos + 3 * i) - q * program_->origins[b], q};
 }
@@ -66,7 +54,7 @@ Twist MujocoWorld::twist_of(int body) const {
   if (body == kWorld) return {};
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return kept_.twists[b];
+  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return {};
   if (const int dof = program_->free_dof[b]; dof >= 0) {
     const Quat q = quat_at(data_->xquat + 4 * i);
     const Twist V{vec_at(data_->qvel + dof), q * vec_at(data_->qvel + dof + 3)};
@@ -136,31 +124,30 @@ void MujocoWorld::follow() {
   find_kinematics(Kinematics::now);
   for (const int j : program_->followed) {
     const Joint& joint = program_->scene->joints[j];
-    double* const q = kept_.joint_positions.data() + joint.position_offset;
+    double* const q = followed_.data() + joint.position_offset;
     const std::vector<double> previous(q, q + position_count(joint.type));
     joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
                    previous.data(), q);
   }
 }
 
-void MujocoWorld::put_kept_state() {
+void MujocoWorld::put_state(const WorldState& state, std::size_t first) {
   const SceneModel& scene = *program_->scene;
+  followed_ = state.joint_positions;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-    if (program_->free_qpos[b] >= 0) put_free(b, kept_.poses[b], kept_.twists[b]);
-  for (std::size_t j = 0; j < scene.joints.size(); ++j)
-    put_joint(j, kept_.joint_positions.data() + scene.joints[j].position_offset,
-              kept_.joint_velocities.data() + scene.joints[j].speed_offset);
+    if (program_->free_qpos[b] >= 0) put_free(b, state.poses[b], state.twists[b]);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    double* const q = followed_.data() + scene.joints[j].position_offset;
+    if (j >= first) std::transform(q, q + position_count(scene.joints[j].type), q, settled);
+    put_joint(j, q, state.joint_velocities.data() + scene.joints[j].speed_offset);
+  }
   mju_zero(data_->qacc_warmstart, model_->nv);
   kinematics_ = Kinematics::none;
   follow();
+  forget_step();
 }
 
-void MujocoWorld::forget_reports() {
-  const SceneModel& scene = *program_->scene;
-  kept_.joint_efforts.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
-  kept_.motor_efforts.assign(scene.motors.size(), 0.0);
-  kept_contacts_.clear();
-  kept_reactions_.assign(scene.joints.size(), {});
+void MujocoWorld::forget_step() {
   stepped_ = false;
   unchecked_ = true;
   kinematics_ = Kinematics::none;
@@ -168,12 +155,11 @@ void MujocoWorld::forget_reports() {
   laws_.reset(responses_.size());
 }
 
-void MujocoWorld::get_state(WorldState& out) const {
+void MujocoWorld::read(WorldState& out) const {
   const SceneModel& scene = *program_->scene;
   find_kinematics(Kinematics::now);
-  out = kept_;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    if (program_->bodies[b] <= 0) continue;
+    if (scene.bodies[b].removed) continue;
     out.poses[b] = pose_of(static_cast<int>(b));
     out.twists[b] = twist_of(static_cast<int>(b));
   }
@@ -181,25 +167,28 @@ void MujocoWorld::get_state(WorldState& out) const {
     const Joint& joint = scene.joints[j];
     double* const q = out.joint_positions.data() + joint.position_offset;
     double* const u = out.joint_velocities.data() + joint.speed_offset;
-    if (program_->joints[j].joint >= 0)
+    if (program_->joints[j].joint >= 0) {
       read_tree_joint(j, q, u);
-    else if (!joint.removed)
+    } else if (!joint.removed) {
+      std::copy_n(followed_.data() + joint.position_offset, position_count(joint.type), q);
       read_joint(joint, out, q, u);
+    }
   }
-  if (stepped_) read_efforts(out);
 }
 
-void MujocoWorld::read_efforts(WorldState& out) const {
+void MujocoWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   const SceneModel& scene = *program_->scene;
   const mjModel& m = *model_;
   const mjData& d = *data_;
+  motors.assign(scene.motors.size(), 0.0);
   for (std::size_t i = 0; i < scene.motors.size(); ++i) {
     const int a = program_->actuators[i];
     if (a < 0) continue;
     const auto k = static_cast<std::size_t>(a);
-    out.motor_efforts[i] = laws_.is_damped(k) ? laws_.effort(k, speed_of(k)) : d.actuator_force[a];
+    motors[i] = laws_.is_damped(k) ? laws_.effort(k, speed_of(k)) : d.actuator_force[a];
   }
-  if (out.joint_efforts.empty()) return;
+  joints.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
+  if (joints.empty()) return;
   // By MuJoCo's speeds: springs, dampers and motors, dry friction and limits; their rows come before
   // those of contacts.
   std::vector<double>& effort = scratch_;
@@ -219,7 +208,7 @@ void MujocoWorld::read_efforts(WorldState& out) const {
     const Joint& joint = scene.joints[j];
     const TreeJoint& in_tree = program_->joints[j];
     if (in_tree.joint < 0) continue;
-    double* const to = out.joint_efforts.data() + joint.speed_offset;
+    double* const to = joints.data() + joint.speed_offset;
     const auto dof = static_cast<std::size_t>(in_tree.dof);
     if (joint.type == JointType::ball) {
       const Quat& q_BN = in_tree.reversed ? joint.X_PF.q : joint.X_CM.q;
@@ -227,7 +216,7 @@ void MujocoWorld::read_efforts(WorldState& out) const {
       const Vec3 in_F =
           in_tree.reversed
               ? Vec3(-in_N)
-              : Vec3(quat_at(out.joint_positions.data() + joint.position_offset) * in_N);
+              : Vec3(q_BN.conjugate() * quat_at(d.qpos + in_tree.qpos).normalized() * q_BN * in_N);
       std::copy_n(in_F.data(), 3, to);
       continue;
     }
@@ -237,27 +226,12 @@ void MujocoWorld::read_efforts(WorldState& out) const {
   }
 }
 
-Result<> MujocoWorld::set_state(const WorldState& state) {
-  const SceneModel& scene = *program_->scene;
-  if (auto fine = check_state(scene, state); !fine) return fine;
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    if (program_->free_qpos[b] < 0) continue;
-    kept_.poses[b] = state.poses[b];
-    kept_.twists[b] = state.twists[b];
-    if (scene.bodies[b].kind == BodyKind::kinematic) kinematic_[b] = state.twists[b];
-  }
-  kept_.joint_positions = state.joint_positions;
-  kept_.joint_velocities = state.joint_velocities;
-  put_kept_state();
-  forget_reports();
+Result<> MujocoWorld::write(const WorldState& state) {
+  put_state(state, program_->references.size());
   return {};
 }
 
-void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
-  if (!stepped_) {
-    out = kept_contacts_;
-    return;
-  }
+void MujocoWorld::read_contacts(std::vector<Contact>& out) const {
   out.clear();
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& it = data_->contact[i];
@@ -280,10 +254,9 @@ void MujocoWorld::get_contacts(std::vector<Contact>& out) const {
   std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
-void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
+void MujocoWorld::read_reactions(std::vector<Wrench>& out) const {
   const SceneModel& scene = *program_->scene;
-  out = kept_reactions_;
-  if (!stepped_) return;
+  out.assign(scene.joints.size(), {});
   mjModel* const m = model_.get();
   mjData* const d = data_.get();
   find_kinematics(Kinematics::before);  // as when the forces were found
@@ -304,37 +277,26 @@ void MujocoWorld::get_joint_reactions(std::vector<Wrench>& out) const {
   }
 }
 
-SnapshotPtr MujocoWorld::save() const {
-  auto out = std::make_shared<Snapshot>();
-  out->initial = initial_;
+HostedWorld::MemoryPtr MujocoWorld::save_memory() const {
+  auto out = std::make_shared<Memory>();
   out->program = program_;
-  out->time = time_;
   get_coordinates(out->coordinates);
+  out->followed = followed_;
   out->responses = responses_;
   out->at_bound = laws_.at_bound;
-  out->kinematic = kinematic_;
-  get_state(out->kept);
-  get_contacts(out->contacts);
-  get_joint_reactions(out->reactions);
   return out;
 }
 
-Result<> MujocoWorld::restore(const SnapshotPtr& snapshot) {
-  const auto* saved = dynamic_cast<const Snapshot*>(snapshot.get());
-  if (saved == nullptr) return fail("the snapshot was not made by the mujoco backend");
-  if (!same_names(*saved->initial->scene, *initial_->scene))
-    return fail("the snapshot is of another scene: '" + saved->program->scene->name + "'");
-  if (saved->program != program_)
-    if (auto adopted = adopt(saved->program); !adopted) return adopted;
-  put_back(saved->coordinates);
-  forget_reports();
-  time_ = saved->time;
-  responses_ = saved->responses;
-  laws_.at_bound = saved->at_bound;
-  kinematic_ = saved->kinematic;
-  kept_ = saved->kept;
-  kept_contacts_ = saved->contacts;
-  kept_reactions_ = saved->reactions;
+Result<> MujocoWorld::restore_memory(const SceneModelPtr&, const MemoryPtr& memory,
+                                     const WorldState&) {
+  const auto& saved = static_cast<const Memory&>(*memory);
+  if (saved.program != program_)
+    if (auto adopted = adopt(saved.program); !adopted) return adopted;
+  put_back(saved.coordinates);
+  followed_ = saved.followed;
+  forget_step();
+  responses_ = saved.responses;
+  laws_.at_bound = saved.at_bound;
   return {};
 }
 

@@ -149,8 +149,12 @@ void Builder::engine_blocks(const Element& element, std::map<std::string, Parame
     const ParameterTable* table = nullptr;
     Result<ParameterTable> found = ParameterTable{};
     if (context_.options.plugins != nullptr) {
-      found = element.tag() == "physics" ? context_.options.plugins->world_options(engine)
-                                         : context_.options.plugins->assembly_options(engine);
+      const std::string_view tag = element.tag();
+      found = tag == "physics" ? context_.options.plugins->world_options(engine)
+                               : context_.options.plugins->element_options(
+                                     engine, is_joint(tag)       ? "joint"
+                                             : tag == "instance" ? "assembly"
+                                                                 : tag);
       if (!found) {
         const Error& error = found.error();
         fault(find_code(error.code) != nullptr ? error.code : "CG0901", *child, error.message)

@@ -45,6 +45,7 @@ void Builder::joint(const Element& element) {
   joint.type = type_of(element.tag());
   joint.assembly = note(element).assembly;
   joint.origin = element.span();
+  engine_blocks(element, joint.engine_options);
   Reader r = reader(element);
   Note& here = note(element);
   here.joint = static_cast<int>(model_.joints.size());
@@ -273,6 +274,7 @@ void Builder::coupling(const Element& element) {
   coupling.name = element.path;
   coupling.assembly = note(element).assembly;
   coupling.origin = element.span();
+  engine_blocks(element, coupling.engine_options);
   Reader r = reader(element);
   const auto find = [&](const Word& word, std::string_view attribute) {
     const Element* found = names_.find(element, word, Wanted::joint);

@@ -40,6 +40,7 @@ void Builder::materials() {
     const auto color = r.color("color");
     if (color.given()) material.color = *color;
     texture(element, material);
+    engine_blocks(element, material.engine_options);
     material_indices_[&element] = static_cast<int>(model_.materials.size());
     model_.materials.push_back(std::move(material));
   };

@@ -30,13 +30,29 @@ bool is_foreign_model(std::string_view text) {
 namespace {
 
 void leave_out_engines(import::Context& context, import::RobotModel& robot) {
-  if (context.options.plugins == nullptr || robot.of_mujoco.empty()) return;
-  const auto names = context.options.plugins->names(PluginKind::backend);
+  PluginCatalog* const plugins = context.options.plugins;
+  // Whoever compiles the text later may know the engine; a prototype is compiled at once.
+  if (plugins == nullptr && !context.options.prototype_only) return;
+  const auto names = plugins ? plugins->names(PluginKind::backend) : std::vector<std::string>();
   if (std::find(names.begin(), names.end(), "mujoco") != names.end()) return;
   for (const auto& [key, value] : robot.of_mujoco)
     context.left_out({}, fmt::format("<mujoco {}=\"{}\">", key, value),
                      "the engine MuJoCo is not installed");
   robot.of_mujoco.clear();
+  bool any = false;
+  const auto clear = [&](import::MujocoAttributes& of) {
+    any = any || !of.empty();
+    of.clear();
+  };
+  for (import::RobotMaterial& m : robot.materials) clear(m.of_mujoco);
+  for (auto* const joints : {&robot.joints, &robot.loops})
+    for (import::RobotJoint& j : *joints) {
+      clear(j.of_mujoco);
+      if (j.coupling) clear(j.coupling->of_mujoco);
+    }
+  if (any)
+    context.left_out({}, "<mujoco> of materials, joints and couplings",
+                     "the engine MuJoCo is not installed");
 }
 
 }  // namespace

@@ -198,7 +198,6 @@ void MjcfReader::settings(const XmlElement& root) {
   report_settings(
       context_, root,
       {{"pair", "solref solimp solreffriction margin gap", kContacts, "0"},
-       {"geom", "gap", kContacts, "0"},
        {"geom", "fluidshape fluidcoef", kFluid, "none"},
        {"geom", "fitscale", "primitives that are fitted to meshes are not read", "1"},
        {"geom mesh", "shellinertia", "masses are those of full shapes", "false"},

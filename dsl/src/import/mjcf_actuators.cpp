@@ -339,7 +339,7 @@ void MjcfReader::equality(const XmlElement& source) {
     context_.left_out(source.at, quoted_name(source), "is not active");
     return;
   }
-  note_softness(source, e, "equality", "");
+  const MujocoAttributes softness = note_softness(source, e, "equality", "");
   if (source.name == "joint") {
     const std::string *a = e.find("joint1"), *b = e.find("joint2");
     const int one = a == nullptr ? -1 : joint_index(*a);
@@ -354,7 +354,7 @@ void MjcfReader::equality(const XmlElement& source) {
       return;
     }
     const std::vector<double> poly = polynomial(source, e);
-    joint_at(one).coupling = RobotCoupling{{{*b, poly[1]}}, poly[0]};
+    joint_at(one).coupling = RobotCoupling{{{*b, poly[1]}}, poly[0], softness};
     context_.exact_unless(source.at, quoted_name(source), beyond_linear(poly));
     return;
   }
@@ -370,6 +370,7 @@ void MjcfReader::equality(const XmlElement& source) {
     j.type = source.name == "connect" ? RobotJoint::Type::ball : RobotJoint::Type::fixed;
     j.name = name_of(source, source.name.c_str());
     j.at = source.at;
+    j.of_mujoco = softness;
     // The anchor is given in body 1, which is the child here.
     j.parent = two;
     j.child = one;
@@ -382,7 +383,7 @@ void MjcfReader::equality(const XmlElement& source) {
     return;
   }
   if (source.name == "tendon")
-    tendon_equality(source, e);
+    tendon_equality(source, e, softness);
   else
     context_.left_out(source.at, quoted_name(source), "is not read");
 }

@@ -459,8 +459,11 @@ RobotJoint MjcfReader::joint(const XmlElement& source, const XmlElement& e, cons
   }
   if (disabled_.count("frictionloss") == 0)
     out.friction = std::max(0.0, context_.number(e, "frictionloss", 0.0));
-  if (is_limited(e)) note_softness(source, e, "limit", "limit");
-  if (out.friction > 0.0) note_softness(source, e, "friction", "friction");
+  if (is_limited(e)) out.of_mujoco = note_softness(source, e, "limit", "limit");
+  if (out.friction > 0.0) {
+    const MujocoAttributes more = note_softness(source, e, "friction", "friction");
+    out.of_mujoco.insert(out.of_mujoco.end(), more.begin(), more.end());
+  }
   out.rest = coordinate(context_.number(e, "springref", 0.0)) - ref;
   out.rotor_inertia = std::max(0.0, context_.number(e, "armature", 0.0));
   if (const std::string* range = e.find("actuatorfrcrange"); range != nullptr && out.has_one_axis())

@@ -104,10 +104,12 @@ class MjcfReader {
     double mix = 1.0;
     std::array<double, 2> solref{0.02, 1.0};
     std::array<double, 5> solimp{0.9, 0.95, 0.001, 0.5, 2.0};
-    double margin = 0.0;
+    double margin = 0.0, gap = 0.0;
     std::string of;  ///< the geom that alone has it, where a <pair> names it
     bool operator==(const Surface& o) const;
     Frictions frictions() const;
+    /// What it has beside friction, where that is not the default.
+    MujocoAttributes of_mujoco() const;
     /// What holds between two.
     Surface with(const Surface& other) const;
   };
@@ -215,12 +217,11 @@ class MjcfReader {
   void pair_surfaces();
   /// Frictions of all shapes, and of pairs that have others.
   void surfaces();
-  void contact_softness(const std::vector<std::size_t>& used,
-                        const std::vector<std::size_t>& moving,
-                        const std::vector<std::size_t>& standing);
+  /// Whether all contacts have the same softness, which is then the world's.
+  bool same_softness(const std::vector<std::size_t>& used, bool has_ground);
   /// solref and solimp with this ending, of limits ("limit"), dry friction and equalities.
-  void note_softness(const XmlElement& source, const XmlElement& e, const char* about,
-                     const char* suffix);
+  MujocoAttributes note_softness(const XmlElement& source, const XmlElement& e, const char* about,
+                                 const char* suffix);
   void write_softness();
   /// An attribute of the engine, unless it is the usual one. `differs`: what it is not right for.
   void of_mujoco(const Source& at, const std::string& what, const char* name,
@@ -270,7 +271,8 @@ class MjcfReader {
   /// `springlength`: one number or two; empty: not given.
   std::vector<double> spring_lengths(const XmlElement& e);
   void spatial_tendon(const XmlElement& source, const XmlElement& e);
-  void tendon_equality(const XmlElement& source, const XmlElement& e);
+  void tendon_equality(const XmlElement& source, const XmlElement& e,
+                       const MujocoAttributes& softness);
   /// Spring, damping, friction and limits of a fixed tendon.
   void tendon_passive(Tendon& t);
   /// The sum without joints that follow others. Empty: they form a cycle, or are nested too deep.

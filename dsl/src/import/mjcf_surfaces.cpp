@@ -35,8 +35,9 @@ std::string words(const Numbers& numbers) {
 }  // namespace
 
 bool MjcfReader::Surface::operator==(const Surface& o) const {
-  return std::tie(priority, dimensions, friction, mix, solref, solimp, margin, of) ==
-         std::tie(o.priority, o.dimensions, o.friction, o.mix, o.solref, o.solimp, o.margin, o.of);
+  return std::tie(priority, dimensions, friction, mix, solref, solimp, margin, gap, of) ==
+         std::tie(o.priority, o.dimensions, o.friction, o.mix, o.solref, o.solimp, o.margin, o.gap,
+                  o.of);
 }
 
 // A contact of one dimension has no friction, of three sliding, of four spinning, of six rolling too.
@@ -47,24 +48,28 @@ MjcfReader::Frictions MjcfReader::Surface::frictions() const {
   return {from(3.0, 0), from(6.0, 2), from(4.0, 1)};
 }
 
+MujocoAttributes MjcfReader::Surface::of_mujoco() const {
+  const Surface usual;
+  MujocoAttributes out;
+  const auto add = [&](const char* name, const auto& value, const auto& of_usual) {
+    if (value != of_usual) out.emplace_back(name, words(value));
+  };
+  add("solref", solref, usual.solref);
+  add("solimp", solimp, usual.solimp);
+  for (const auto& [name, value, of_usual] : {std::tuple{"margin", margin, 0.0},
+                                              {"gap", gap, 0.0},
+                                              {"solmix", mix, 1.0},
+                                              {"priority", priority, 0.0}})
+    add(name, std::array{value}, std::array{of_usual});
+  return out;
+}
+
 MjcfReader::Surface MjcfReader::Surface::with(const Surface& other) const {
   Surface out = priority >= other.priority ? *this : other;
-  out.margin = std::max(margin, other.margin);
   if (priority != other.priority) return out;
   out.dimensions = std::max(dimensions, other.dimensions);
   for (std::size_t i = 0; i < friction.size(); ++i)
     out.friction[i] = std::max(friction[i], other.friction[i]);
-  constexpr double kNone = 1e-15;  // mjMINVAL
-  const double share = mix >= kNone && other.mix >= kNone ? mix / (mix + other.mix)
-                       : mix < kNone && other.mix < kNone ? 0.5
-                       : mix < kNone                      ? 0.0
-                                                          : 1.0;
-  const bool times = solref[0] > 0.0 && other.solref[0] > 0.0;  // else stiffness and damping
-  for (std::size_t i = 0; i < solref.size(); ++i)
-    out.solref[i] = times ? share * solref[i] + (1.0 - share) * other.solref[i]
-                          : std::min(solref[i], other.solref[i]);
-  for (std::size_t i = 0; i < solimp.size(); ++i)
-    out.solimp[i] = share * solimp[i] + (1.0 - share) * other.solimp[i];
   return out;
 }
 
@@ -84,6 +89,7 @@ int MjcfReader::surface(const XmlElement& source, const XmlElement& e) {
   take(context_, source, e, "solref", out.solref);
   take(context_, source, e, "solimp", out.solimp);
   out.margin = context_.number(e, "margin", 0.0);
+  out.gap = context_.number(e, "gap", 0.0);
   // So many are not written by people; the search among them would take long.
   constexpr std::size_t kMost = 1000;
   if (surfaces_.size() > kMost) {
@@ -152,15 +158,21 @@ void MjcfReader::surfaces() {
   constexpr std::size_t kMostContacts = 2000;
   std::size_t beyond = 0;
   const auto name_of_robot = scene_name(robot_.name);
+  const bool has_ground =
+      std::any_of(standing.begin(), standing.end(), [](std::size_t n) { return n > 0; });
+  const bool same = same_softness(used, has_ground);
   const auto named = [&](std::size_t i) {
     if (material[i] < 0) {
       material[i] = static_cast<int>(robot_.materials.size());
       robot_.materials.push_back(
           {fmt::format("{}_surface_{}", name_of_robot, robot_.materials.size() + 1), own[i].sliding,
-           own[i].rolling, own[i].spinning, CombineRule::max});
+           own[i].rolling, own[i].spinning, CombineRule::max,
+           same ? MujocoAttributes() : surfaces_[i].of_mujoco()});
     }
     return static_cast<std::size_t>(material[i]);
   };
+  for (const std::size_t i : used)
+    if (!same && !surfaces_[i].of_mujoco().empty()) named(i);
   for (std::size_t a = 0; a < used.size(); ++a)
     for (std::size_t b = a; b < used.size(); ++b) {
       const std::size_t i = used[a], k = used[b];
@@ -187,7 +199,6 @@ void MjcfReader::surfaces() {
     context_.approximate({}, "priority of geoms",
                          "decides among the geoms of the file; where they meet others of a scene, "
                          "the larger friction holds");
-  contact_softness(used, moving, standing);
   for (RobotLink& l : robot_.links)
     for (RobotShape& s : l.shapes) {
       if (s.material < 0) continue;
@@ -200,74 +211,78 @@ void MjcfReader::surfaces() {
     }
 }
 
-// The engine MuJoCo has one softness of all contacts: that of the geoms with the highest priority on
-// what stands, which is MuJoCo's default where the file has no ground.
-void MjcfReader::contact_softness(const std::vector<std::size_t>& used,
-                                  const std::vector<std::size_t>& moving,
-                                  const std::vector<std::size_t>& standing) {
-  std::size_t mover = surfaces_.size(), ground = surfaces_.size();
-  for (const std::size_t i : used) {
-    if (standing[i] > 0 && (ground == surfaces_.size() || standing[i] > standing[ground]))
-      ground = i;
-    if (moving[i] == 0) continue;
-    if (mover == surfaces_.size() || std::pair(surfaces_[i].priority, moving[i]) >
-                                         std::pair(surfaces_[mover].priority, moving[mover]))
-      mover = i;
+bool MjcfReader::same_softness(const std::vector<std::size_t>& used, bool has_ground) {
+  if (used.empty()) return true;
+  const MujocoAttributes first = surfaces_[used.front()].of_mujoco();
+  const bool same = !context_.options.prototype_only && (has_ground || first.empty()) &&
+                    std::all_of(used.begin(), used.end(),
+                                [&](std::size_t i) { return surfaces_[i].of_mujoco() == first; }) &&
+                    std::all_of(first.begin(), first.end(), [](const auto& attribute) {
+                      return attribute.first != "gap" && attribute.first != "solmix" &&
+                             attribute.first != "priority";
+                    });
+  if (same) {
+    for (const auto& [name, value] : first)
+      of_mujoco({}, name + " of contacts", name.c_str(), value, "", "");
+  } else if (std::any_of(used.begin(), used.end(),
+                         [&](std::size_t i) { return !surfaces_[i].of_mujoco().empty(); })) {
+    context_.exact({}, "softness of contacts",
+                   "by materials, on the engine MuJoCo; others have rigid contacts");
   }
-  if (mover == surfaces_.size()) return;
-  const Surface plain;
-  const Surface& stands = ground < surfaces_.size() ? surfaces_[ground] : plain;
-  const Surface chosen = surfaces_[mover].with(stands);
-  std::size_t pairs = 0, solref = 0, solimp = 0, margin = 0;
-  const auto compare = [&](const Surface& met) {
-    ++pairs;
-    solref += met.solref != chosen.solref;
-    solimp += met.solimp != chosen.solimp;
-    margin += met.margin != chosen.margin;
-  };
-  for (const std::size_t i : used) {
-    if (moving[i] == 0) continue;
-    for (const std::size_t k : used)
-      if (k >= i || moving[k] == 0) compare(surfaces_[i].with(surfaces_[k]));
-    if (ground == surfaces_.size()) compare(surfaces_[i].with(plain));
-  }
-  const auto say = [&](const char* name, const std::string& value, const std::string& usual,
-                       std::size_t others) {
-    of_mujoco(
-        {}, fmt::format("{} of contacts", name), name, value, usual,
-        others == 0 ? "" : fmt::format("{} of {} kinds of pairs have another", others, pairs));
-  };
-  say("solref", words(chosen.solref), words(plain.solref), solref);
-  say("solimp", words(chosen.solimp), words(plain.solimp), solimp);
-  say("margin", words(std::array{chosen.margin}), "0", margin);
+  return same;
 }
 
-void MjcfReader::note_softness(const XmlElement& source, const XmlElement& e, const char* about,
-                               const char* suffix) {
+MujocoAttributes MjcfReader::note_softness(const XmlElement& source, const XmlElement& e,
+                                           const char* about, const char* suffix) {
   std::array<double, 2> solref{0.02, 1.0};
   std::array<double, 5> solimp{0.9, 0.95, 0.001, 0.5, 2.0};
   const std::string tail = suffix;
   take(context_, source, e, ("solref" + tail).c_str(), solref);
   take(context_, source, e, ("solimp" + tail).c_str(), solimp);
+  MujocoAttributes out;
   const auto note = [&](const char* name, std::string value) {
-    Softness& all = softness_[std::string(name) + about];
+    out.emplace_back(std::string(name) + about, value);
+    Softness& all = softness_[out.back().first];
     if (all.values[value]++ == 0) all.at.emplace(value, source.at);
     ++all.count;
   };
   note("solref", words(solref));
   note("solimp", words(solimp));
+  return out;
 }
 
+// The world has what most have, and the others say their own. A prototype has no world.
 void MjcfReader::write_softness() {
+  MujocoAttributes of_world;
   for (const auto& [name, all] : softness_) {
+    const std::string usual = name.starts_with("solref") ? "0.02 1" : "0.9 0.95 0.001 0.5 2";
     const auto most =
         std::max_element(all.values.begin(), all.values.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    const std::size_t others = all.count - most->second;
-    of_mujoco(all.at.at(most->first), name, name.c_str(), most->first,
-              name.starts_with("solref") ? "0.02 1" : "0.9 0.95 0.001 0.5 2",
-              others == 0 ? "" : fmt::format("{} of {} have another", others, all.count));
+    const std::string world = context_.options.prototype_only ? usual : most->first;
+    of_world.emplace_back(name, world);
+    if (!context_.options.prototype_only)
+      of_mujoco(all.at.at(world), name, name.c_str(), world, usual, "");
+    const auto has_it = all.values.find(world);
+    const std::size_t others = all.count - (has_it == all.values.end() ? 0 : has_it->second);
+    if (others > 0)
+      context_.exact(
+          all.at.begin()->second, name,
+          fmt::format("{} of {} have their own, on the engine MuJoCo", others, all.count));
   }
+  const auto keep_own = [&](MujocoAttributes& of) {
+    of.erase(std::remove_if(of.begin(), of.end(),
+                            [&](const auto& attribute) {
+                              return std::find(of_world.begin(), of_world.end(), attribute) !=
+                                     of_world.end();
+                            }),
+             of.end());
+  };
+  for (auto* const joints : {&robot_.joints, &robot_.loops})
+    for (RobotJoint& j : *joints) {
+      keep_own(j.of_mujoco);
+      if (j.coupling) keep_own(j.coupling->of_mujoco);
+    }
 }
 
 void MjcfReader::of_mujoco(const Source& at, const std::string& what, const char* name,

@@ -174,7 +174,8 @@ bool MjcfReader::leads_to(int from, int to) {
   return false;
 }
 
-void MjcfReader::tendon_equality(const XmlElement& source, const XmlElement& e) {
+void MjcfReader::tendon_equality(const XmlElement& source, const XmlElement& e,
+                                 const MujocoAttributes& softness) {
   const std::vector<double> poly = polynomial(source, e);
   const std::string* const second = e.find("tendon2");
   JointSum all;
@@ -202,6 +203,7 @@ void MjcfReader::tendon_equality(const XmlElement& source, const XmlElement& e) 
     return;
   }
   RobotCoupling coupling;
+  coupling.of_mujoco = softness;
   coupling.offset = poly[0] / follower->second;
   for (const auto& [joint, coef] : sum)
     if (joint != follower->first)

@@ -47,6 +47,9 @@ struct Geometry {
   HeightFieldPtr heights;
 };
 
+/// Attributes of `<mujoco>` in an element: what one engine does, and others do not have.
+using MujocoAttributes = std::vector<std::pair<std::string, std::string>>;
+
 struct RobotShape {
   std::string name;
   Pose X;  ///< in the link
@@ -64,11 +67,12 @@ struct RobotShape {
   Source at;
 };
 
-/// What shapes have in common that RobotContact names.
+/// What shapes have in common that RobotContact names, or an engine has for them.
 struct RobotMaterial {
   std::string name;
   double friction = 0.0, rolling_friction = 0.0, spinning_friction = 0.0;
   CombineRule friction_combine = CombineRule::usual;
+  MujocoAttributes of_mujoco;
 };
 
 /// What holds between two materials, by RobotModel::materials.
@@ -135,6 +139,7 @@ struct RobotCoupling {
   };
   std::vector<Term> terms;
   double offset = 0.0;
+  MujocoAttributes of_mujoco;
 };
 
 /// Limits and passive efforts along one axis.
@@ -171,6 +176,7 @@ struct RobotJoint : AxisLaw {
   Quat turn = Quat::Identity();  ///< of a ball or gimbal at the start
   double pitch = 0.0;            ///< of a screw [m/turn]
   std::optional<RobotCoupling> coupling;
+  MujocoAttributes of_mujoco;
   Source at;
 
   bool has_one_axis() const {
@@ -221,8 +227,7 @@ struct RobotModel {
   std::vector<RobotLight> lights;
   std::vector<RobotMaterial> materials;
   std::vector<RobotContact> contacts;
-  /// Attributes of <mujoco> in <physics>: what one engine does, and others do not have.
-  std::vector<std::pair<std::string, std::string>> of_mujoco;
+  MujocoAttributes of_mujoco;                                   ///< in <physics>
   std::vector<std::pair<std::string, std::string>> no_contact;  ///< links that do not touch
   std::vector<std::pair<std::string, std::string>> touching;    ///< shapes that do, by name
   /// What in the source says which shapes touch, and the bits of what is not in it.

@@ -25,7 +25,17 @@ std::string rule(const char* of, CombineRule rule) {
              : fmt::format(" {}-combine=\"{}\"", of, kCombineRuleNames[static_cast<int>(rule)]);
 }
 
+std::string mujoco_text(const MujocoAttributes& of_mujoco) {
+  std::string out = "<mujoco";
+  for (const auto& [key, value] : of_mujoco) out += fmt::format(" {}=\"{}\"", key, value);
+  return out + "/>";
+}
+
 }  // namespace
+
+std::string end_text(const std::string& tag, const MujocoAttributes& of_mujoco) {
+  return of_mujoco.empty() ? "/>\n" : fmt::format(">{}</{}>\n", mujoco_text(of_mujoco), tag);
+}
 
 std::string physics_text(const RobotModel& robot) {
   if (!robot.step && !robot.gravity && robot.of_mujoco.empty()) return "";
@@ -33,17 +43,15 @@ std::string physics_text(const RobotModel& robot) {
   if (robot.step) out += fmt::format(" step=\"{} s\"", *robot.step);
   if (robot.gravity) out += fmt::format(" gravity=\"{}\"", list(*robot.gravity));
   if (robot.of_mujoco.empty()) return out + "/>\n";
-  out += ">\n    <mujoco";
-  for (const auto& [key, value] : robot.of_mujoco) out += fmt::format(" {}=\"{}\"", key, value);
-  return out + "/>\n  </physics>\n";
+  return out + ">\n    " + mujoco_text(robot.of_mujoco) + "\n  </physics>\n";
 }
 
 std::string materials_text(const RobotModel& robot) {
   std::string out;
   for (const RobotMaterial& m : robot.materials)
-    out += fmt::format("  <material name=\"{}\"{}{}/>\n", m.name,
+    out += fmt::format("  <material name=\"{}\"{}{}{}", m.name,
                        frictions(m.friction, m.rolling_friction, m.spinning_friction, false),
-                       rule("friction", m.friction_combine));
+                       rule("friction", m.friction_combine), end_text("material", m.of_mujoco));
   for (const RobotContact& c : robot.contacts)
     out += fmt::format("  <contact between=\"{} {}\"{}/>\n", robot.materials[c.a].name,
                        robot.materials[c.b].name,

@@ -8,6 +8,8 @@
 namespace cogrsim::dsl::import {
 
 /// <physics>, where the source says something for it.
+/// The end of an element: with a `<mujoco>` in it where it has such attributes.
+std::string end_text(const std::string& tag, const MujocoAttributes& of_mujoco);
 std::string physics_text(const RobotModel& robot);
 /// Materials, and what holds between them.
 std::string materials_text(const RobotModel& robot);

@@ -576,7 +576,7 @@ class SceneWriter {
     }
     if (j.rotor_inertia > 0.0 && (turns || slides || j.type == Type::ball))
       out += fmt::format(" rotor-inertia=\"{} {}\"", j.rotor_inertia, slides ? "kg" : "kg*m^2");
-    out += "/>\n";
+    out += end_text(tag, j.of_mujoco);
     if (j.rotor_inertia > 0.0 && !turns && !slides && j.type != Type::ball &&
         j.type != Type::gimbal)
       context_.left_out(j.at, fmt::format("rotor inertia of joint '{}'", j.name),
@@ -610,7 +610,7 @@ class SceneWriter {
       if (tidy(coupling.offset) != 0.0)
         *body_ += fmt::format(" offset=\"{} {}\"", coupling.offset,
                               j->type == RobotJoint::Type::slider ? "m" : "rad");
-      *body_ += "/>\n";
+      *body_ += end_text("couple", coupling.of_mujoco);
     }
   }
 

@@ -228,6 +228,7 @@ void add_matter(std::vector<ElementSpec>& out) {
   out.push_back(element(group, "material", "A material.", a, {},
                         "<material name=\"rubber\" density=\"1100 kg/m^3\" friction=\"0.9\" "
                         "color=\"#202020\"/>"));
+  out.back().engine_blocks = true;
   AttributeSpec pair = must(attr("between", Kind::references, "The two materials."));
   pair.min_count = pair.max_count = 2;
   out.push_back(element(group, "contact", "Contact properties of a pair of materials.",
@@ -367,6 +368,7 @@ void add_joints(std::vector<ElementSpec>& out) {
   const auto add = [&](std::string_view name, std::string_view doc, Attributes attributes,
                        std::string_view example) {
     out.push_back(element(group, name, doc, std::move(attributes), {}, example));
+    out.back().engine_blocks = true;
   };
   add("hinge", "A revolute joint: rotates about its axis.",
       joint_ends("0 0 1", "Axis of rotation.") + joint_axes({kAngle}),
@@ -536,6 +538,7 @@ void add_motion(std::vector<ElementSpec>& out) {
                                        "Largest force on `joint`, if it slides; no limit if left "
                                        "out."))},
       {}, "<couple joint=\"finger_right\" to=\"finger_left\" ratio=\"-1\"/>"));
+  out.back().engine_blocks = true;
   const auto group = "Motors";
   out.push_back(element(
       group, "motor", "Drives one degree of freedom of a joint.",

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/dsl/schema.h"
+#include "cogrsim/physics/backend.h"
 #include "language/vocabulary.h"
 
 namespace cogrsim::dsl {
@@ -199,9 +200,13 @@ std::string write_schema_json(PluginCatalog* plugins) {
     out["backends"] = plugins->names(PluginKind::backend);
     out["blocks"] = Json::object();
     for (const std::string& name : plugins->names(PluginKind::backend)) {
-      const auto world = plugins->world_options(name), assembly = plugins->assembly_options(name);
-      out["blocks"][name] = {{"world", world ? parameters_json(*world) : Json::array()},
-                             {"assembly", assembly ? parameters_json(*assembly) : Json::array()}};
+      const auto list = [&](const Result<ParameterTable>& table) {
+        return table ? parameters_json(*table) : Json::array();
+      };
+      Json& blocks = out["blocks"][name];
+      blocks["world"] = list(plugins->world_options(name));
+      for (const std::string_view element : kOptionElements)
+        blocks[std::string(element)] = list(plugins->element_options(name, element));
     }
   }
   return out.dump(1, ' ', false, Json::error_handler_t::replace);

@@ -4,6 +4,7 @@
 // and if depends on their parent, and most values may be expressions.
 #include <algorithm>
 
+#include "cogrsim/physics/backend.h"
 #include "language/vocabulary.h"
 
 namespace cogrsim::dsl {
@@ -146,7 +147,8 @@ std::string write_xsd(PluginCatalog* plugins) {
   for (const std::string& name : engines) {
     std::vector<ParameterTable> tables;
     if (auto table = plugins->world_options(name)) tables.push_back(std::move(*table));
-    if (auto table = plugins->assembly_options(name)) tables.push_back(std::move(*table));
+    for (const std::string_view element : kOptionElements)
+      if (auto table = plugins->element_options(name, element)) tables.push_back(std::move(*table));
     out += engine_element(name, tables);
   }
   return out + "</xs:schema>\n";

@@ -17,14 +17,14 @@ using Json = nlohmann::ordered_json;
 template <class Io>
 void fields(Io& io, Material& x) {
   auto& [name, base, density, friction, rolling_friction, spinning_friction, restitution,
-         friction_combine, restitution_combine, stiffness, color, texture, texture_size, origin] =
-      x;
+         friction_combine, restitution_combine, stiffness, color, texture, texture_size,
+         engine_options, origin] = x;
   io("name", name)("base", base)("density", density)("friction", friction);
   io("rolling_friction", rolling_friction)("spinning_friction", spinning_friction);
   io("restitution", restitution)("friction_combine", friction_combine);
   io("restitution_combine", restitution_combine);
   io("stiffness", stiffness)("color", color)("texture", texture);
-  io("texture_size", texture_size)("origin", origin);
+  io("texture_size", texture_size)("engine_options", engine_options)("origin", origin);
 }
 
 template <class Io>
@@ -72,10 +72,12 @@ void fields(Io& io, JointAxis& x) {
 template <class Io>
 void fields(Io& io, Joint& x) {
   auto& [name, type, parent, child, X_PF, X_CM, axes, pitch, position, velocity, closes_loop,
-         bodies_collide, position_offset, speed_offset, assembly, removed, origin] = x;
+         bodies_collide, engine_options, position_offset, speed_offset, assembly, removed, origin] =
+      x;
   io("name", name)("type", type)("parent", parent)("child", child)("X_PF", X_PF)("X_CM", X_CM);
   io("axes", axes)("pitch", pitch)("position", position)("velocity", velocity);
   io("closes_loop", closes_loop)("bodies_collide", bodies_collide);
+  io("engine_options", engine_options);
   io("position_offset", position_offset)("speed_offset", speed_offset)("assembly", assembly);
   io("removed", removed)("origin", origin);
 }
@@ -88,9 +90,9 @@ void fields(Io& io, CouplingTerm& x) {
 
 template <class Io>
 void fields(Io& io, Coupling& x) {
-  auto& [name, joint, terms, offset, max_effort, assembly, removed, origin] = x;
+  auto& [name, joint, terms, offset, max_effort, engine_options, assembly, removed, origin] = x;
   io("name", name)("joint", joint)("terms", terms)("offset", offset)("max_effort", max_effort);
-  io("assembly", assembly)("removed", removed)("origin", origin);
+  io("engine_options", engine_options)("assembly", assembly)("removed", removed)("origin", origin);
 }
 
 template <class Io>

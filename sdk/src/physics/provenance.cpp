@@ -98,10 +98,10 @@ Result<Provenance> provenance_of(const Backend& backend, const SceneModel& model
   out.version = backend.engine_version();
   out.cogrsim_version = COGRSIM_VERSION;
   out.options = std::move(*options);
-  const auto defaults = complete_parameters(backend.assembly_options(), {});
+  const auto defaults = complete_parameters(backend.element_options("assembly"), {});
   for (const AssemblyInfo& assembly : model.assemblies) {
     if (assembly.removed) continue;
-    auto complete = complete_parameters(backend.assembly_options(),
+    auto complete = complete_parameters(backend.element_options("assembly"),
                                         block_of(assembly.engine_options, backend.name()));
     if (!complete) return tl::unexpected(complete.error());
     if (defaults && *complete == *defaults) continue;

@@ -36,12 +36,24 @@ std::vector<Diagnostic> rotor_warnings(const SceneModel& scene, const std::strin
     const auto ratio =
         std::find_if(ratios[j].begin(), ratios[j].end(), [&](double one) { return one > most; });
     if (ratio == ratios[j].end()) continue;
+    const Joint& joint = scene.joints[j];
     out.push_back(warning(
-        scene, scene.joints[j].origin,
+        scene, joint.origin,
         fmt::format("backend '{}' may not hold the rotor inertia of joint '{}': it is {:.3g} "
                     "times the inertia of the bodies it turns, and the solver's sweeps hold {:.3g}",
-                    backend, scene.joints[j].name, *ratio, most),
-        "take more iterations or a direct solver, or run the scene on another backend"));
+                    backend, joint.name, *ratio, most),
+        "take more iterations or a direct solver, a lighter rotor or a heavier link, or run the "
+        "scene on another backend"));
+    // The lighter side of the axis.
+    const auto side = [&](int body) {
+      const bool moves = body != kWorld && scene.bodies[at(body)].kind == BodyKind::dynamic;
+      return moves ? &scene.bodies[at(body)] : nullptr;
+    };
+    const Body *link = side(joint.child), *const parent = side(joint.parent);
+    if (!link || (parent && parent->inertia.trace() < link->inertia.trace())) link = parent;
+    if (link)
+      out.back().notes.emplace_back("it turns '" + link->name + "'",
+                                    source_position(scene, link->origin));
   }
   return out;
 }

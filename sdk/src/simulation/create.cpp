@@ -68,9 +68,21 @@ tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneMo
   }
   complete(model->physics.engine_options, backend.world_options(), "", model->physics.origin);
   for (AssemblyInfo& info : model->assemblies) {
-    complete(info.engine_options, backend.assembly_options(), " in assembly '" + info.name + "'",
-             info.origin);
+    complete(info.engine_options, backend.element_options("assembly"),
+             " in assembly '" + info.name + "'", info.origin);
   }
+  // What these do not say is the world's, so they are checked and stay as they are.
+  const auto check = [&](const auto& elements, const char* element) {
+    for (const auto& it : elements) {
+      std::map<std::string, Parameters> copy = it.engine_options;
+      if (copy.count(backend.name()) != 0)
+        complete(copy, backend.element_options(element),
+                 std::string(" in ") + element + " '" + it.name + "'", it.origin);
+    }
+  };
+  check(model->materials, "material");
+  check(model->joints, "joint");
+  check(model->couplings, "couple");
   if (!found.empty()) return tl::unexpected(std::move(found));
   name_outputs(*model, loader);
   return SceneModelPtr(std::move(model));

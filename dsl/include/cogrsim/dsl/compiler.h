@@ -41,9 +41,11 @@ class COGRSIM_API PluginCatalog {
   /// Every plugin of a kind that can be found; backends name the engine blocks `<NAME …/>`.
   virtual std::vector<std::string> names(PluginKind kind) = 0;
 
-  /// Keys of an engine's block under `<physics>`, and of the one inside an assembly.
+  /// Keys of an engine's block under `<physics>`, and of the one inside an element, see
+  /// kOptionElements.
   virtual Result<ParameterTable> world_options(const std::string& backend) = 0;
-  virtual Result<ParameterTable> assembly_options(const std::string& backend) = 0;
+  virtual Result<ParameterTable> element_options(const std::string& backend,
+                                                 std::string_view element) = 0;
 };
 
 /// Bounds against hostile files; each has its coded error.

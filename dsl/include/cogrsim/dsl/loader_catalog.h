@@ -30,7 +30,8 @@ class COGRSIM_API LoaderCatalog final : public PluginCatalog {
   std::vector<Channel> channels(const SceneModel& model, const SensorModel& sensor) override;
   std::vector<std::string> names(PluginKind kind) override;
   Result<ParameterTable> world_options(const std::string& backend) override;
-  Result<ParameterTable> assembly_options(const std::string& backend) override;
+  Result<ParameterTable> element_options(const std::string& backend,
+                                         std::string_view element) override;
 
  private:
   std::shared_ptr<PluginLoader> loader_;

@@ -133,6 +133,8 @@ struct Joint {
   /// decides this (the last joint of a loop in the file), so it is the same for every backend.
   bool closes_loop = false;
   bool bodies_collide = false;  ///< parent and child collide with each other
+  /// Engine-specific options by engine name: `<NAME …/>` inside the joint.
+  std::map<std::string, Parameters> engine_options;
   int position_offset = 0;      ///< index of the first coordinate in the flat array of all q
   int speed_offset = 0;         ///< index of the first speed in the flat array of all u
   int assembly = -1;
@@ -156,6 +158,7 @@ struct Coupling {
   double offset = 0.0;              ///< [rad] or [m]
   /// Largest effort on the joint [N m] or [N], > 0: beyond it the coupling slips.
   double max_effort = std::numeric_limits<double>::infinity();
+  std::map<std::string, Parameters> engine_options;  ///< by engine name: `<NAME …/>` inside it
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;

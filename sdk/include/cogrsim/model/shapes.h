@@ -1,6 +1,7 @@
 // Geometry, materials and appearance of bodies.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/core/export.h"
+#include "cogrsim/core/parameter.h"
 #include "cogrsim/core/types.h"
 
 namespace cogrsim {
@@ -44,6 +46,7 @@ struct Material {
   std::string texture;  ///< resolved path of an image that is multiplied by `color`; empty: none
   /// Size of one copy of the texture along u and v [m]; empty: see cogrsim/model/surface.h.
   std::optional<Eigen::Vector2d> texture_size;
+  std::map<std::string, Parameters> engine_options;  ///< by engine name: `<NAME …/>` inside it
   SourceSpan origin;
 };
 

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "cogrsim/physics/capabilities.h"
 #include "cogrsim/physics/provenance.h"
 #include "cogrsim/physics/world.h"
 
 namespace cogrsim {
+
+/// What may have options of an engine of its own, beside the world.
+inline constexpr std::string_view kOptionElements[] = {"assembly", "material", "joint", "couple"};
 
 /// A physics backend. All functions are thread-safe; worlds can be created and stepped in several
 /// threads at once, each world in one thread at a time.
@@ -27,16 +31,19 @@ class Backend {
   /// The features of scenes that the backend supports.
   virtual const Capabilities& capabilities() const = 0;
 
-  /// Engine-specific options: the attributes of `<NAME …/>` in `<physics>` and in an assembly.
+  /// Engine-specific options: the attributes of `<NAME …/>` in `<physics>`, and in those elements
+  /// of the scene that kOptionElements names.
   virtual const ParameterTable& world_options() const = 0;
-  virtual const ParameterTable& assembly_options() const {
+  virtual const ParameterTable& element_options(std::string_view element) const {
+    (void)element;
     static const ParameterTable none;
     return none;
   }
 
   /// Builds the whole scene. The caller has called check_capabilities(); the backend may also
   /// reject unsupported elements here. The options in the model have been completed with the tables
-  /// above, or are missing, which means the defaults. Errors name the element and its source
+  /// above, or are missing, which means the defaults; those of materials, joints and couplings
+  /// are checked, and what is not given there is that of the world. Errors name the element and its source
   /// location.
   virtual Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const = 0;
 };

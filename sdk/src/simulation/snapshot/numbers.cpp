@@ -104,8 +104,9 @@ std::string scene_signature(const SceneModel& model) {
       for (const char* key : {"isolation", "deadline", "memory"}) controller.erase(key);
     }
   }
-  if (json.contains("assemblies")) {
-    for (Json& assembly : json["assemblies"]) assembly.erase("engine_options");
+  for (const char* key : {"assemblies", "materials", "joints", "couplings"}) {
+    if (!json.contains(key)) continue;
+    for (Json& element : json[key]) element.erase("engine_options");
   }
   std::string text = json.dump();
   std::uint64_t hash = hash_bytes(text.data(), text.size());
