@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "../support/engines.h"
+#include "cogrsim/dsl/loader_catalog.h"
 #include "cogrsim/simulation/simulation.h"
 #include "import_support.h"
 
@@ -69,6 +70,8 @@ TEST_CASE("pairs of geoms have the friction that MuJoCo gives them", "[mjcf][mot
            R"(<pair geom1="f" geom2="p" condim="1"/>)", 3.0, 0.0});
   const std::string engine = GENERATE(engines());
   Imported in;
+  dsl::LoaderCatalog catalog;  // of the priority that materials have on one engine
+  in.plugins = &catalog;
   in.read("<mujoco model=\"m\"><option timestep=\"0.001\" gravity=\"" + std::to_string(pair.pull) +
               " 0 -9.81\"/><worldbody><geom type=\"plane\" size=\"50 50 1\" " + pair.floor +
               "/><body name=\"puck\" pos=\"0 0 0.05\"><freejoint/><geom type=\"box\" "

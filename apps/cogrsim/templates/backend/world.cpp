@@ -1,11 +1,12 @@
 #include "world.h"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <cogrsim/model/mass_properties.h>
-#include <cogrsim/physics/backend_checks.h>
 
 namespace adapter {
 namespace {
@@ -36,16 +37,18 @@ flight::Motion motion_of(cogrsim::BodyKind kind) {
   return kind == cogrsim::BodyKind::kinematic ? flight::Motion::carried : flight::Motion::free;
 }
 
-flight::Body make_body(const cogrsim::Body& model) {
+// Body `i` of the scene, with its motion in `at`.
+flight::Body make_body(const SceneModel& scene, const cogrsim::WorldState& at, std::size_t i) {
+  const cogrsim::Body& model = scene.bodies[i];
   flight::Body body;
   body.motion = motion_of(model.kind);
   body.mass = model.mass;
   body.inertia = model.inertia;
-  place(model, model.X_WB, model.V_WB, body);
+  place(model, at.poses[i], at.twists[i], body);
   // A carried body rotates about its origin, so the engine moves the origin.
   if (body.motion == flight::Motion::carried) {
-    body.position = model.X_WB.p;
-    body.velocity = model.V_WB.linear;
+    body.position = at.poses[i].p;
+    body.velocity = at.twists[i].linear;
   }
   return body;
 }
@@ -75,144 +78,96 @@ Result<> check_scene(const SceneModel& model) {
   return {};
 }
 
-FlightWorld::FlightWorld(SceneModelPtr model, int substeps)
-    : first_(std::move(model)), substeps_(substeps) {
-  static_cast<void>(reset());  // cannot fail for this world
+struct FlightWorld::Memory final : cogrsim::HostedMemory {
+  std::vector<flight::Body> bodies;
+};
+
+FlightWorld::FlightWorld(const SceneModelPtr& model, int substeps) : substeps_(substeps) {
+  static_cast<void>(start(model));  // cannot fail for this world
 }
 
-Result<> FlightWorld::reset() {
-  now_ = Everything();
-  now_.model = first_;
-  for (const cogrsim::Body& body : first_->bodies) now_.bodies.push_back(make_body(body));
+Result<> FlightWorld::build(const SceneModelPtr& model, const cogrsim::WorldState& begin) {
+  bodies_.clear();
+  for (std::size_t i = 0; i < model->bodies.size(); ++i)
+    bodies_.push_back(make_body(*model, begin, i));
   return {};
 }
 
-cogrsim::StepResult FlightWorld::step(double dt, const std::vector<cogrsim::Drive>&) {
+// Bodies that stay what they were keep their last digits.
+Result<> FlightWorld::rebuild(const SceneModelPtr& next, const cogrsim::WorldState& begin,
+                              const cogrsim::SceneChange&) {
+  for (std::size_t i = 0; i < next->bodies.size(); ++i) {
+    const bool stays = i < bodies_.size() && (next->bodies[i].removed ||
+                                              bodies_[i].motion == motion_of(next->bodies[i].kind));
+    if (stays) continue;
+    bodies_.resize(std::max(bodies_.size(), i + 1));
+    bodies_[i] = make_body(*next, begin, i);
+  }
+  return {};
+}
+
+cogrsim::StepResult FlightWorld::advance(double dt, const std::vector<cogrsim::Drive>&,
+                                         const std::vector<double>&) {
   // On a copy, so that a failed step leaves the world unchanged.
-  trial_ = now_.bodies;
-  const Vec3& gravity = now_.model->physics.gravity;
+  trial_ = bodies_;
   for (std::size_t i = 0; i < trial_.size(); ++i) {
-    if (now_.model->bodies[i].removed) continue;
+    if (model()->bodies[i].removed) continue;
     flight::Body& body = trial_[i];
-    for (int part = 0; part < substeps_; ++part) flight::advance(body, gravity, dt / substeps_);
+    for (int part = 0; part < substeps_; ++part)
+      flight::advance(body, model()->physics.gravity, dt / substeps_);
     // This form of the comparison also rejects NaN.
     const bool fine = body.position.norm() < kFarthest && body.velocity.norm() < kFastest &&
                       body.angular_velocity.norm() < kFastestSpin;
-    if (!fine) {
-      return {cogrsim::StepStatus::diverged, static_cast<int>(i),
-              "body '" + now_.model->bodies[i].name + "' left all bounds (1000 km, 100 km/s)"};
-    }
+    if (!fine) return diverged(static_cast<int>(i), "1000 km, 100 km/s");
   }
-  now_.bodies.swap(trial_);
-  now_.time += dt;
+  bodies_.swap(trial_);
   return {};
 }
 
-void FlightWorld::get_state(cogrsim::WorldState& out) const {
-  const SceneModel& model = *now_.model;
-  out.poses.resize(model.bodies.size());
-  out.twists.resize(model.bodies.size());
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const flight::Body& body = now_.bodies[i];
-    const Vec3 arm = body.orientation * moved_point(model.bodies[i]);
+void FlightWorld::read(cogrsim::WorldState& out) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (model()->bodies[i].removed) continue;
+    const flight::Body& body = bodies_[i];
+    const Vec3 arm = body.orientation * moved_point(model()->bodies[i]);
     out.poses[i] = {body.position - arm, cogrsim::Quat(body.orientation)};
-    if (body.motion == flight::Motion::still) {
-      out.twists[i] = Twist();
-      continue;
-    }
     const Twist V{body.velocity, body.angular_velocity};
-    out.twists[i] = {V.at(-arm), body.angular_velocity};
+    const bool moves = body.motion != flight::Motion::still;
+    out.twists[i] = moves ? Twist{V.at(-arm), body.angular_velocity} : Twist();
   }
-  // There are no joints.
-  out.joint_positions.assign(static_cast<std::size_t>(model.joint_positions), 0.0);
-  out.joint_velocities.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
-  out.joint_efforts.assign(static_cast<std::size_t>(model.joint_speeds), 0.0);
-  out.motor_efforts.assign(model.motors.size(), 0.0);
 }
 
-Result<> FlightWorld::set_state(const cogrsim::WorldState& state) {
-  const SceneModel& model = *now_.model;
-  // Everything is checked before anything is changed.
-  if (auto fine = check_state(model, state); !fine) return fine;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].removed) continue;
-    cogrsim::Body moved = model.bodies[i];
-    moved.X_WB = state.poses[i];
-    moved.V_WB = state.twists[i];
-    now_.bodies[i] = make_body(moved);
-  }
+Result<> FlightWorld::write(const cogrsim::WorldState& state) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (!model()->bodies[i].removed) bodies_[i] = make_body(*model(), state, i);
   return {};
 }
 
-void FlightWorld::get_contacts(std::vector<cogrsim::Contact>& out) const {
-  out.clear();  // there are no contacts
+// There are no joints.
+void FlightWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  joints.assign(static_cast<std::size_t>(model()->joint_speeds), 0.0);
+  motors.assign(model()->motors.size(), 0.0);
 }
 
-Result<> FlightWorld::add(const SceneModelPtr& next) {
-  if (auto possible = check_scene(*next); !possible) return possible;
-  for (std::size_t i = now_.bodies.size(); i < next->bodies.size(); ++i) {
-    now_.bodies.push_back(make_body(next->bodies[i]));
-  }
-  now_.model = next;
+void FlightWorld::read_reactions(std::vector<cogrsim::Wrench>& out) const {
+  out.assign(model()->joints.size(), {});
+}
+
+cogrsim::HostedWorld::MemoryPtr FlightWorld::save_memory() const {
+  auto out = std::make_shared<Memory>();
+  out->bodies = bodies_;
+  return out;
+}
+
+Result<> FlightWorld::restore_memory(const SceneModelPtr&, const MemoryPtr& memory,
+                                     const cogrsim::WorldState&) {
+  bodies_ = static_cast<const Memory&>(*memory).bodies;
   return {};
 }
 
-Result<> FlightWorld::remove(const SceneModelPtr& next) {
-  now_.model = next;  // step() skips removed bodies; their last values remain
-  return {};
-}
-
-Result<> FlightWorld::change(const SceneModelPtr& next) {
-  if (next->bodies.size() != now_.bodies.size()) {
-    return fail("a change keeps all bodies; add() and remove() are for the others");
-  }
-  cogrsim::WorldState state;
-  get_state(state);
-  for (std::size_t i = 0; i < now_.bodies.size(); ++i) {
-    const cogrsim::Body& before = now_.model->bodies[i];
-    cogrsim::Body after = next->bodies[i];
-    if (before.kind == after.kind || after.removed) continue;
-    // The body keeps its pose and has zero velocity.
-    after.X_WB = state.poses[i];
-    after.V_WB = Twist();
-    now_.bodies[i] = make_body(after);
-  }
-  now_.model = next;
-  return {};
-}
-
-struct FlightWorld::Snapshot final : cogrsim::WorldSnapshot {
-  SceneModelPtr first;
-  Everything saved;
-};
-
-cogrsim::SnapshotPtr FlightWorld::save() const {
-  auto snapshot = std::make_shared<Snapshot>();
-  snapshot->first = first_;
-  snapshot->saved = now_;
-  return snapshot;
-}
-
-Result<> FlightWorld::restore(const cogrsim::SnapshotPtr& snapshot) {
-  const auto* mine = dynamic_cast<const Snapshot*>(snapshot.get());
-  if (mine == nullptr) return fail("the snapshot is of another backend");
-  if (!same_names(*mine->first, *first_)) {
-    return fail("the snapshot is of another scene than '" + first_->name + "'");
-  }
-  now_ = mine->saved;
-  return {};
-}
-
-void* FlightWorld::extension(std::string_view id) {
-  if (id == KinematicDrive::kId) return static_cast<KinematicDrive*>(this);
-  return nullptr;
-}
-
-Result<> FlightWorld::set_kinematic_twist(int body, const Twist& twist) {
-  if (auto fine = check_kinematic_twist(*now_.model, body, twist); !fine) return fine;
-  now_.bodies[static_cast<std::size_t>(body)].velocity = twist.linear;
-  now_.bodies[static_cast<std::size_t>(body)].angular_velocity = twist.angular;
-  return {};
+void FlightWorld::move_kinematic(int body) {
+  const auto i = static_cast<std::size_t>(body);
+  bodies_[i].velocity = twists()[i].linear;
+  bodies_[i].angular_velocity = twists()[i].angular;
 }
 
 }  // namespace adapter

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <cogrsim/physics/world.h>
+#include <cogrsim/physics/hosted_world.h>
 
 #include "flight.h"
 
@@ -12,40 +12,43 @@ namespace adapter {
 /// Checks that the engine can build this scene. Errors name the element and its source location.
 cogrsim::Result<> check_scene(const cogrsim::SceneModel& model);
 
-class FlightWorld final : public cogrsim::World, public cogrsim::KinematicDrive {
+// HostedWorld owns what is the same for all engines: the clock, snapshots, held reports, the order of
+// a change, checks. What remains is building, stepping, reading and writing.
+class FlightWorld final : public cogrsim::HostedWorld {
  public:
   /// Precondition: check_scene(*model). Every step consists of `substeps` >= 1 equal parts.
-  FlightWorld(cogrsim::SceneModelPtr model, int substeps);
-
-  const cogrsim::SceneModelPtr& model() const override { return now_.model; }
-  double time() const override { return now_.time; }
-  cogrsim::StepResult step(double dt, const std::vector<cogrsim::Drive>& drives) override;
-  void get_state(cogrsim::WorldState& out) const override;
-  cogrsim::Result<> set_state(const cogrsim::WorldState& state) override;
-  void get_contacts(std::vector<cogrsim::Contact>& out) const override;
-  cogrsim::Result<> add(const cogrsim::SceneModelPtr& next) override;
-  cogrsim::Result<> remove(const cogrsim::SceneModelPtr& next) override;
-  cogrsim::Result<> change(const cogrsim::SceneModelPtr& next) override;
-  cogrsim::SnapshotPtr save() const override;
-  cogrsim::Result<> restore(const cogrsim::SnapshotPtr& snapshot) override;
-  cogrsim::Result<> reset() override;
-  void* extension(std::string_view id) override;
-
-  cogrsim::Result<> set_kinematic_twist(int body, const cogrsim::Twist& twist) override;
+  FlightWorld(const cogrsim::SceneModelPtr& model, int substeps);
 
  private:
-  // The complete state; a snapshot is a copy of it.
-  struct Everything {
-    cogrsim::SceneModelPtr model;
-    double time = 0.0;
-    std::vector<flight::Body> bodies;  // one per entry of SceneModel::bodies
-  };
-  struct Snapshot;
+  struct Memory;  // what a snapshot holds
 
-  cogrsim::SceneModelPtr first_;  // the initial scene
+  const char* engine_name() const override { return "@NAME@"; }
+  cogrsim::Result<> check(const cogrsim::SceneModel& model) const override {
+    return check_scene(model);
+  }
+  cogrsim::Result<> build(const cogrsim::SceneModelPtr& model,
+                          const cogrsim::WorldState& begin) override;
+  cogrsim::Result<> rebuild(const cogrsim::SceneModelPtr& next, const cogrsim::WorldState& begin,
+                            const cogrsim::SceneChange& change) override;
+  cogrsim::StepResult advance(double dt, const std::vector<cogrsim::Drive>& drives,
+                              const std::vector<double>& efforts) override;
+  void read(cogrsim::WorldState& out) const override;
+  cogrsim::Result<> write(const cogrsim::WorldState& state) override;
+  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
+  void read_contacts(std::vector<cogrsim::Contact>& out) const override { out.clear(); }
+  void read_reactions(std::vector<cogrsim::Wrench>& out) const override;
+  MemoryPtr save_memory() const override;
+  cogrsim::Result<> restore_memory(const cogrsim::SceneModelPtr& model, const MemoryPtr& memory,
+                                   const cogrsim::WorldState& begin) override;
+  void move_kinematic(int body) override;
+  // Of what HostedWorld could offer, this engine has the motion of kinematic bodies only.
+  void* extension(std::string_view id) override {
+    return id == KinematicDrive::kId ? static_cast<KinematicDrive*>(this) : nullptr;
+  }
+
   int substeps_;
-  Everything now_;
-  std::vector<flight::Body> trial_;  // reused, so that a step allocates no memory
+  std::vector<flight::Body> bodies_;  // one per entry of SceneModel::bodies
+  std::vector<flight::Body> trial_;   // reused, so that a step allocates no memory
 };
 
 }  // namespace adapter
