@@ -239,10 +239,10 @@ ContactMotion Contacts::motion_at(const Manifold& manifold, const ContactPoint& 
   // No surface is straighter than kStraight or sharper than kSharp. What changes velocities by less than a tenth of
   // what the sweeps leave is none.
   if (kStraight * turn2 + slip.squaredNorm() / kSharp < 0.1 * tolerance_ / h) return out;
-  const ContactRates rates =
-      find_contact_rates(detector_.colliders()[std::size_t(point.collider_a)],
-                         detector_.colliders()[std::size_t(point.collider_b)], point,
-                         manifold.end - manifold.first == 1, motion_a.angular, motion_b.angular, slip);
+  const ContactRates rates = find_contact_rates(
+      detector_.colliders()[std::size_t(point.collider_a)],
+      detector_.colliders()[std::size_t(point.collider_b)], point,
+      manifold.end - manifold.first == 1, motion_a.angular, motion_b.angular, slip);
   const Vec3 turning = convective_acceleration(link_b, point.point) -
                        convective_acceleration(link_a, point.point) +
                        motion_b.angular.cross(rates.on_b) - motion_a.angular.cross(rates.on_a) +
@@ -321,8 +321,7 @@ void Contacts::warm_start(double h, std::size_t manifold, const std::vector<Warm
     if (contact.kind != FrictionKind::point) {
       const Vec3& other = warm[1 - k];
       if (contact.kind == FrictionKind::twist) {
-        const Vec3 arm =
-            0.5 * (contact.point->point - set.contacts[first + 1 - k].point->point);
+        const Vec3 arm = 0.5 * (contact.point->point - set.contacts[first + 1 - k].point->point);
         rows[1].lambda = normal.dot(arm.cross(impulse - other));
         continue;
       }

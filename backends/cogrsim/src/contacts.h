@@ -94,8 +94,8 @@ class Contacts {
   struct Range {
     std::size_t first = 0, end = 0;
   };
-  std::vector<Range> last_of_;  ///< by manifold: those of the last step
-  std::vector<char> taken_;     ///< of the last step: a contact starts from it
+  std::vector<Range> last_of_;            ///< by manifold: those of the last step
+  std::vector<char> taken_;               ///< of the last step: a contact starts from it
   std::vector<ContactOutcome> outcomes_;  ///< by point
 };
 

@@ -10,6 +10,11 @@ namespace {
 // are only just not stiff (kExplicitLimit in drives.cpp) reach 0.03.
 constexpr double kDoubt = 0.05;
 
+// A step in which an impact meets a mechanism of which a link turns by more [rad], or contact adds more to its energy, as a
+// part of it, is halved, so many times at most: its forces are those of the speeds before.
+constexpr double kWhip = 0.1, kGain = 1e-3;
+constexpr int kHalvings = 4;
+
 // An overlap is left where a link would move by more than this times what the gap gains, and this [m].
 constexpr double kMostTravel = 10.0, kLeastTravel = 1e-5;
 
@@ -44,6 +49,7 @@ Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions&
       untouched_(mechanism.components().size(), 0) {
   for (std::size_t i = 0; i < mechanism.components().size(); ++i) {
     const Component& c = mechanism.components()[i];
+    has_mechanisms_ = has_mechanisms_ || !c.is_free_body;
     if (c.is_free_body || !is_free(mechanism, c)) continue;
     momenta_.emplace_back();
     momenta_.back().component = int(i);
@@ -73,7 +79,7 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
     }
   }
   if (mechanism_.state.nu() == 0) return;
-  for (int i = 0; i < options_.substeps; ++i) move(dt / options_.substeps);
+  for (int i = 0; i < options_.substeps; ++i) pass(dt / options_.substeps, kHalvings);
   const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
     return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
   };
@@ -127,6 +133,60 @@ bool Stepper::build_rows(double h) {
       if (c >= 0) untouched_[std::size_t(c)] = 0;
   }
   return any;
+}
+
+bool Stepper::find_whips(double h) {
+  whips_.clear();
+  const std::vector<LinkMotion>& motions = mechanism_.motions();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const int c = mechanism_.links()[i].component;
+    if (c < 0 || mechanism_.components()[std::size_t(c)].is_free_body) continue;
+    if (!(h * motions[i].angular.norm() > kWhip)) continue;
+    if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, 0.0, 0.0});
+  }
+  for (Whip& whip : whips_) measure_whip(h, whip);
+  return !whips_.empty();
+}
+
+void Stepper::measure_whip(double h, Whip& whip) const {
+  whip.energy = whip.work = 0.0;
+  for (const int i : mechanism_.components()[std::size_t(whip.component)].links) {
+    const Link& link = mechanism_.links()[std::size_t(i)];
+    const LinkMotion& motion = mechanism_.motions()[std::size_t(i)];
+    const Vec3 v = motion.velocity_at(motion.X * link.com);
+    const Vec3 spin = motion.X.R.transpose() * motion.angular;
+    whip.energy += 0.5 * (link.mass * v.squaredNorm() + spin.dot(link.inertia * spin));
+    whip.work += h * mechanism_.loads()[std::size_t(i)].force.norm() * v.norm();
+  }
+}
+
+// A mechanism that whips and that an impact met, or contact gave energy to.
+bool Stepper::must_be_halved(double h) const {
+  for (const Whip& before : whips_) {
+    if (hit_.empty()) return false;  // nothing touched anything
+    if (hit_[std::size_t(before.component)]) return true;
+    Whip after = before;
+    measure_whip(h, after);
+    const double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
+    if (!untouched_[std::size_t(before.component)] && !(after.energy <= allowed)) return true;
+  }
+  return false;
+}
+
+void Stepper::pass(double h, int halvings) {
+  if (!has_mechanisms_ || halvings == 0 || !find_whips(h)) return move(h);
+  const Values q = mechanism_.state.q(), u = mechanism_.state.u();
+  const StepMemory start = memory;
+  const EffortSums efforts = impulses;
+  const std::vector<ContactRecord> reported = records;
+  hit_.clear();
+  move(h);
+  if (!must_be_halved(h)) return;
+  set(q, u);
+  memory = start;
+  impulses = efforts;
+  records = reported;
+  for (int i = 0; i < 2; ++i) pass(0.5 * h, halvings - 1);
 }
 
 void Stepper::move(double h) {

@@ -61,6 +61,16 @@ class Stepper {
   std::vector<ContactRecord> records;  ///< of the last step
 
  private:
+  // One part of a step; where a whip is hit, its halves instead.
+  void pass(double h, int halvings);
+  // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step, at most [J].
+  struct Whip {
+    int component = -1;
+    double energy = 0.0, work = 0.0;
+  };
+  bool find_whips(double h);
+  void measure_whip(double h, Whip& whip) const;
+  bool must_be_halved(double h) const;
   void move(double h);
   // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
   // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
@@ -106,10 +116,12 @@ class Stepper {
   std::vector<AxisLaw> laws_;
   const std::vector<Drive>* drives_ = nullptr;
 
-  RowSet joints_;     ///< rows of joints
+  RowSet joints_;  ///< rows of joints
   StepContext context_;
   Partition partition_;
-  std::vector<int> start_;       ///< (ncomponent): see Island::place_rows
+  std::vector<int> start_;  ///< (ncomponent): see Island::place_rows
+  std::vector<Whip> whips_;
+  bool has_mechanisms_ = false;  ///< some component is no free body
   std::vector<char> hit_;        ///< (ncomponent): by an impact in this step
   std::vector<char> untouched_;  ///< (ncomponent): no row concerns it in this step
   std::vector<char> doubtful_;   ///< (ncomponent): see disagree()
