@@ -160,14 +160,22 @@ void Stepper::measure_whip(double h, Whip& whip) const {
   }
 }
 
-// A mechanism that whips and that an impact met, or contact gave energy to.
-bool Stepper::must_be_halved(double h) const {
+// A mechanism that whips and that an impact met, or that has more energy than its loads and motors gave it. `start`: the efforts
+// before the step.
+bool Stepper::must_be_halved(double h, const EffortSums& start) const {
   for (const Whip& before : whips_) {
     if (hit_.empty()) return false;  // nothing touched anything
     if (hit_[std::size_t(before.component)]) return true;
     Whip after = before;
     measure_whip(h, after);
-    const double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
+    double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
+    for (const AxisLaw& law : laws_) {
+      if (law.component != before.component || law.motor < 0) continue;
+      const std::size_t motor = std::size_t(law.motor);
+      const double fastest =
+          std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
+      allowed += std::abs(impulses.motors[motor] - start.motors[motor]) * fastest;
+    }
     if (!untouched_[std::size_t(before.component)] && !(after.energy <= allowed)) return true;
   }
   return false;
@@ -181,7 +189,7 @@ void Stepper::pass(double h, int halvings) {
   const std::vector<ContactRecord> reported = records;
   hit_.clear();
   move(h);
-  if (!must_be_halved(h)) return;
+  if (!must_be_halved(h, efforts)) return;
   set(q, u);
   memory = start;
   impulses = efforts;

@@ -70,7 +70,7 @@ class Stepper {
   };
   bool find_whips(double h);
   void measure_whip(double h, Whip& whip) const;
-  bool must_be_halved(double h) const;
+  bool must_be_halved(double h, const EffortSums& start) const;
   void move(double h);
   // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
   // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
