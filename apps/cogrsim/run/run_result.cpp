@@ -14,6 +14,8 @@ namespace cogrsim::cli {
 namespace {
 
 constexpr int kRows = 20;
+// A penetration of less is rounding [m].
+constexpr double kRounding = 1e-12;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::string fixed(double value, int digits) {
@@ -150,7 +152,7 @@ std::string summary_text(const RunResult& result, const Style& style) {
   double deepest = 0.0;
   for (const Contact& contact : frame.contacts) deepest = std::max(deepest, contact.depth);
   out += fmt::format("  contacts  {}", frame.contacts.size());
-  if (deepest > 0.0) out += fmt::format(", deepest penetration {}", length_text(deepest));
+  if (deepest >= kRounding) out += fmt::format(", deepest penetration {}", length_text(deepest));
   out += "\n";
   return out + body_table(frame, style) + joint_table(frame, style);
 }
