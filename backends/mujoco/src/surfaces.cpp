@@ -1,7 +1,7 @@
 #include "surfaces.h"
 
 #include <fmt/format.h>
-
+#include <mujoco/mjtnum.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
