@@ -163,9 +163,10 @@ void Stepper::measure_whip(double h, Whip& whip) const {
 // A mechanism that whips and that an impact met, or that has more energy than its loads and motors gave it. `start`: the efforts
 // before the step.
 bool Stepper::must_be_halved(double h, const EffortSums& start) const {
+  if (hit_.empty()) return false;  // nothing touched anything
   for (const Whip& before : whips_) {
-    if (hit_.empty()) return false;  // nothing touched anything
     if (hit_[std::size_t(before.component)]) return true;
+    if (untouched_[std::size_t(before.component)]) continue;
     Whip after = before;
     measure_whip(h, after);
     double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
@@ -176,7 +177,7 @@ bool Stepper::must_be_halved(double h, const EffortSums& start) const {
           std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
       allowed += std::abs(impulses.motors[motor] - start.motors[motor]) * fastest;
     }
-    if (!untouched_[std::size_t(before.component)] && !(after.energy <= allowed)) return true;
+    if (!(after.energy <= allowed)) return true;
   }
   return false;
 }

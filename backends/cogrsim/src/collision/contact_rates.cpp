@@ -12,6 +12,7 @@ using Vec2 = Eigen::Vector2d;
 
 // A normal this near to that of a flat face, a side or an edge is theirs [rad].
 constexpr double kAligned = 1e-4;
+
 // A surface near a point: as its outward normal turns by d, as seen from the body, the point that has it moves by
 // R d. Flat: it moves anywhere while the normal stays.
 struct Surface {

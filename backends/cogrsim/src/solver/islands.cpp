@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "solver/products.h"
 
@@ -68,8 +69,8 @@ struct AnyRows {
     add_scaled(impulse, w + row.size[0] + row.size[1], row.size[1], v + row.at[1]);
   }
   // v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
-  static void apply_both(const Row& one, double impulse1, const Row& two,
-                         double impulse2, double* v) {
+  static void apply_both(const Row& one, double impulse1, const Row& two, double impulse2,
+                         double* v) {
     if (!one.free_bodies) {
       apply(one, impulse1, v);
       apply(two, impulse2, v);
@@ -87,14 +88,12 @@ struct AnyRows {
 // some wheels is: lengths known to the compiler, without branches.
 template <int kSize>
 struct RowsOf {
-  static double along(const Row& row, const double* v) {
-    return product(row.numbers, v, kSize);
-  }
+  static double along(const Row& row, const double* v) { return product(row.numbers, v, kSize); }
   static void apply(const Row& row, double impulse, double* v) {
     add_scaled(impulse, row.numbers + kSize, kSize, v);
   }
-  static void apply_both(const Row& one, double impulse1, const Row& two,
-                         double impulse2, double* v) {
+  static void apply_both(const Row& one, double impulse1, const Row& two, double impulse2,
+                         double* v) {
     add_two_scaled(impulse1, one.numbers + kSize, impulse2, two.numbers + kSize, kSize, v);
   }
 };
