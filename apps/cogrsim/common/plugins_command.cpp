@@ -45,7 +45,12 @@ Inventory take_inventory(const std::vector<std::string>& plugin_paths) {
       entry.family = static_cast<const AlgorithmEntry*>(entry.descriptor.factory)->family;
     }
     if (entry.descriptor.kind == PluginKind::backend) {
-      if (auto backend = loader.backend(entry.descriptor.name)) entry.backend = *backend;
+      auto backend = loader.backend(entry.descriptor.name);
+      if (!backend) {
+        inventory.refused.push_back({plugin->path(), backend.error().message});
+        continue;
+      }
+      entry.backend = *backend;
     }
     inventory.entries.push_back(std::move(entry));
   }
@@ -150,7 +155,10 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += "\n";
   }
   for (const RefusedPlugin& refused : inventory.refused) {
-    out += fmt::format("{}refused{} {}\n    {}\n\n", style.red, style.off, one_line(refused.path),
+    // What a backend in another program lacks is installed or not: nothing is wrong with it.
+    const bool lacks = refused.reason.find(" needs what is not there: ") != std::string::npos;
+    out += fmt::format("{}{}{} {}\n    {}\n\n", lacks ? style.cyan : style.red,
+                       lacks ? "not available" : "refused", style.off, one_line(refused.path),
                        paragraph(refused.reason));
   }
   out += style.bold + "folders searched" + style.off + "\n";

@@ -188,6 +188,14 @@ std::vector<CodeInfo> scene_codes() {
        "and unit of a parameter; without it \"50 deg\" could be taken for a distance.",
        "Give CompileOptions::plugins a catalog; dsl::LoaderCatalog asks a PluginLoader.",
        "dsl::LoaderCatalog catalog(loader);\noptions.plugins = &catalog;"},
+      {"CG0910", error, "a backend in another program that cannot be used",
+       "The backend.json of a backend that is a program of its own is wrong, what it needs is not "
+       "installed, two backends in one folder have its name, or its program did not start, ended, "
+       "hung, or sent what the protocol does not have.",
+       "Do what the message says about the file it names. `cogrsim plugins` lists such backends "
+       "and what "
+       "they lack; COGRSIM_DEBUG_BACKENDS=1 shows what they print.",
+       "cogrsim new backend my_engine --language js"},
       // ---- CG10: placement
       {"CG1001", error, "a reference to something without a pose",
        "`at` names something that has no pose, such as a material.",

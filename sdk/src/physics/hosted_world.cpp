@@ -56,7 +56,7 @@ StepResult HostedWorld::step(double dt, const std::vector<Drive>& drives) {
     couplings_.find(dt, state, drives);
   }
   StepResult out = advance(dt, drives, couplings_.empty() ? none : couplings_.efforts());
-  if (out.status == StepStatus::diverged) {
+  if (out.status != StepStatus::ok) {
     if (!couplings_.empty()) couplings_ = std::move(before);
     forget_report();
     return out;

@@ -8,6 +8,7 @@
 #include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/loader.h"
+#include "physics/adapter/adapter_plugin.h"
 
 namespace cogrsim {
 
@@ -21,7 +22,15 @@ Result<std::shared_ptr<const Backend>> PluginLoader::backend(const std::string& 
   std::string problem;
   const PluginCall call("backend", name.c_str(), "", "", "while it was started");
   try {
-    if (const Backend* backend = entry->get()) {
+    const Backend* backend = nullptr;
+    if (entry->get) {
+      backend = entry->get();
+    } else {
+      const auto made = static_cast<const AdapterEntry*>(entry)->backend();
+      if (!made) return tl::unexpected<Error>(made.error());
+      backend = made->get();
+    }
+    if (backend) {
       if (const auto fine = option_values(*choice, backend->world_options()); !fine) {
         return tl::unexpected<Error>(fine.error());
       }

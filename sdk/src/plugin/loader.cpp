@@ -20,6 +20,7 @@
 #include "cogrsim/plugin/crash_report.h"
 #include "cogrsim/plugin/source.h"
 #include "elf_symbols.h"
+#include "plugin/adapter_manifest.h"
 
 namespace cogrsim {
 
@@ -29,7 +30,7 @@ struct Plugin::Impl {
   boost::dll::shared_library library;
   std::string path;
   const PluginDescriptor* descriptor = nullptr;  // lives in the library, or is `own`
-  std::shared_ptr<const PluginDescriptor> own;   // of a source
+  std::shared_ptr<const PluginDescriptor> own;   // of a source or an adapter
 
   ~Impl() {
     if (own) return;
@@ -225,6 +226,53 @@ Result<PluginPtr> open_library(const std::string& path, const fs::path& file) {
   return std::make_shared<const Plugin>(std::move(impl));
 }
 
+/// Reads and checks an adapter; none of its code runs.
+Result<PluginPtr> open_adapter(const std::string& path, bool named_by_folder) {
+  auto manifest = read_adapter_manifest(path);
+  if (!manifest) return tl::unexpected<Error>(std::move(manifest.error()));
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    return fail(what, path, hint, "CG0910");
+  };
+  if (named_by_folder && fs::path(path).parent_path().filename() != manifest->name) {
+    return refuse(fmt::format("the backend inside calls itself '{}'", manifest->name),
+                  fmt::format("name the folder {}", manifest->name));
+  }
+  if (const std::string missing = missing_of(*manifest); !missing.empty()) {
+    return refuse(fmt::format("backend '{}' ({}) needs what is not there: {}", manifest->name,
+                              manifest->engine, missing),
+                  "install it, and run this again");
+  }
+  auto impl = std::make_unique<Plugin::Impl>();
+  impl->path = manifest->path;
+  impl->own = make_adapter_plugin(std::move(*manifest));
+  impl->descriptor = impl->own.get();
+  return std::make_shared<const Plugin>(std::move(impl));
+}
+
+/// Where a folder of plugins may hold the adapter NAME. Errors (CG0910): at both places.
+Result<std::string> adapter_named(const std::string& folder, const std::string& name) {
+  std::error_code error;
+  std::vector<std::string> found;
+  const fs::path inner = fs::path(folder) / name / kAdapterFile,
+                 own = fs::path(folder) / kAdapterFile;
+  if (fs::exists(fs::symlink_status(inner, error))) found.push_back(inner.string());
+  if (fs::exists(own, error)) {
+    const auto manifest = read_adapter_manifest(own.string());
+    if (manifest && manifest->name == name) found.push_back(own.string());
+    // Of a folder that is named after its backend the file is meant, whatever is wrong with it.
+    if (!manifest && own.parent_path().filename() == name) found.push_back(own.string());
+  }
+  if (const fs::path library = fs::path(folder) / (name + ".so");
+      !found.empty() && fs::exists(fs::symlink_status(library, error))) {
+    found.push_back(library.string());
+  }
+  if (found.size() > 1) {
+    return fail(fmt::format("two backends are called '{}': {} and {}", name, found[0], found[1]),
+                folder, "rename one of them, or remove it", "CG0910");
+  }
+  return found.empty() ? std::string() : found.front();
+}
+
 /// Creates a copy under a new name, because the system returns the loaded library for a known name
 /// or file. The copy is next to the original if possible, so that it finds neighbouring files.
 Result<fs::path> private_copy(const fs::path& original) {
@@ -250,7 +298,12 @@ Result<PluginPtr> PluginLoader::load_file(const std::string& path) {
   for (const PluginPtr& plugin : loaded_) {
     if (plugin->path() == real) return plugin;
   }
-  auto opened = open_library(path, real);
+  // "FOLDER/backend.json" of a folder that was named, or "FOLDER/NAME/backend.json".
+  const bool in_named = std::any_of(
+      folders_.begin(), folders_.end(),
+      [&](const std::string& folder) { return fs::path(folder) / kAdapterFile == fs::path(path); });
+  auto opened =
+      real.filename() == kAdapterFile ? open_adapter(path, !in_named) : open_library(path, real);
   if (opened) loaded_.push_back(*opened);
   return opened;
 }
@@ -331,8 +384,13 @@ Result<PluginPtr> PluginLoader::load(PluginKind kind, const std::string& name) {
   std::string tried;
   PluginPtr wrong_kind;
   for (const std::string& folder : folders_) {
-    const std::string path = (fs::path(folder) / (name + ".so")).string();
+    std::string path = (fs::path(folder) / (name + ".so")).string();
     std::error_code error;
+    if (kind == PluginKind::backend) {
+      auto adapter = adapter_named(folder, name);
+      if (!adapter) return tl::unexpected<Error>(std::move(adapter.error()));
+      if (!adapter->empty()) path = std::move(*adapter);
+    }
     if (!fs::exists(fs::symlink_status(path, error))) {
       tried += fmt::format("\n  {}: {}", path,
                            fs::is_directory(folder, error) ? "no such file" : "no such folder");
@@ -373,6 +431,9 @@ tl::unexpected<Error> PluginLoader::missing(PluginKind kind, const std::string& 
       });
       if (known == loaded_.end()) names.push_back(stem);
     }
+    if (kind != PluginKind::backend) continue;
+    for (const std::string& adapter : adapters_in(folder))
+      if (const auto manifest = read_adapter_manifest(adapter)) names.push_back(manifest->name);
   }
   constexpr std::size_t kShown = 20;
   std::sort(names.begin(), names.end());
@@ -400,7 +461,9 @@ std::vector<PluginPtr> PluginLoader::list(std::vector<RefusedPlugin>* refused_on
     if (refused_ones != nullptr) refused_ones->push_back({path, std::move(reason)});
   };
   for (const std::string& folder : folders_) {
-    for (const std::string& path : libraries_in(folder)) {
+    std::vector<std::string> found = libraries_in(folder);
+    for (std::string& adapter : adapters_in(folder)) found.push_back(std::move(adapter));
+    for (const std::string& path : found) {
       Result<PluginPtr> plugin = load_file(path);
       if (!plugin) {
         refuse(path, plugin.error().message);

@@ -116,6 +116,10 @@ RunStatus Simulation::Impl::step() {
   const StepResult result =
       host.step(clock.time(), clock.dt(), devices.make_drives(), wants_accelerations());
   cached.reset();
+  if (result.status == StepStatus::fault) {
+    log.report(Severity::error, "physics", result.message);
+    return status = RunStatus::fault;
+  }
   if (result.status == StepStatus::diverged) {
     status = RunStatus::diverged;
     const std::string body = result.body >= 0 ? model().bodies[result.body].name : "";

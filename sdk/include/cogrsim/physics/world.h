@@ -12,13 +12,17 @@
 
 namespace cogrsim {
 
-enum class StepStatus { ok, diverged };
+enum class StepStatus {
+  ok,
+  diverged,
+  fault  ///< the engine itself has failed: the process that it is in has crashed or hung
+};
 
 /// Result of a step. After a failed step the time of the world is unchanged.
 struct StepResult {
   StepStatus status = StepStatus::ok;
   int body = -1;        ///< diverged: the first body whose state is not finite or out of range
-  std::string message;  ///< diverged: description from the engine
+  std::string message;  ///< diverged, fault: description from the engine
 };
 
 /// An opaque copy of the complete state of a world, including the internal state of the engine. It

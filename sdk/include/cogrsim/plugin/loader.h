@@ -36,12 +36,13 @@ struct RefusedPlugin {
 /// Loads plugins by name. It searches NAME.so in the given folders, then in those of the
 /// environment variable COGRSIM_PLUGIN_PATH (separated by ':'), and then next to libcogrsim
 /// (…/lib/cogrsim/backends and …/lib/cogrsim/plugins, in a build tree as in an installation). Each
-/// library is loaded at most once. Thread-safe.
+/// library is loaded at most once. A backend may also be another program: NAME/backend.json in such a
+/// folder, or backend.json in it (docs/plugins/backends-in-any-language.md). Thread-safe.
 class COGRSIM_API PluginLoader {
  public:
   explicit PluginLoader(std::vector<std::string> extra_folders = {});
 
-  /// Loads a plugin. Errors (CG0901 not found, CG0902 rejected, CG0903 wrong kind): all searched
+  /// Loads a plugin. Errors (CG0901 not found, CG0902 and CG0910 rejected, CG0903 wrong kind): all searched
   /// paths with the reasons of failure, and for an unknown name the existing plugins.
   Result<PluginPtr> load(PluginKind kind, const std::string& name);
 
@@ -56,12 +57,12 @@ class COGRSIM_API PluginLoader {
 
   /// Loads a backend and returns its factory; the library stays loaded as long as the pointer
   /// exists. `choice` may have options, see cogrsim/physics/backend_choice.h; they are checked here
-  /// and applied by Simulation::create(). Errors: CG0901, CG0902, or an option that the backend
-  /// does not have.
+  /// and applied by Simulation::create(). Errors: CG0901, CG0902, CG0910, or an option that the
+  /// backend does not have.
   Result<std::shared_ptr<const Backend>> backend(const std::string& choice);
 
-  /// All plugins in the folders, sorted by kind and name. Rejected libraries are added to
-  /// `refused`.
+  /// All plugins in the folders, sorted by kind and name. Rejected libraries, and backends in other
+  /// programs that lack what they need, are added to `refused`.
   std::vector<PluginPtr> all(std::vector<RefusedPlugin>* refused = nullptr);
 
   const std::vector<std::string>& folders() const { return folders_; }

@@ -11,9 +11,9 @@
 
 #include "cogrsim/plugin/source.h"
 #include "control/hosted_controller.h"
-#include "control/process/child_process.h"
 #include "control/process/proxy.h"
-#include "control/process/watchdog.h"
+#include "process/child_process.h"
+#include "process/watchdog.h"
 
 namespace cogrsim {
 
@@ -113,9 +113,8 @@ class Host {
   /// Loads the plugin; returns the error, if any.
   std::optional<std::string> load(const std::string& path, const std::string& shape,
                                   const ControllerModel& description) {
-    auto plugin = path.empty()
-                      ? devices_->loader().load(PluginKind::controller, description.plugin)
-                      : devices_->loader().load_from(path);
+    auto plugin = path.empty() ? devices_->loader().load(PluginKind::controller, description.plugin)
+                               : devices_->loader().load_from(path);
     if (!plugin) return "cannot be loaded in its process: " + plugin.error().text();
     plugin_ = *plugin;
     const PluginDescriptor& descriptor = plugin_->descriptor();

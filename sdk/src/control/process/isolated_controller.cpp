@@ -1,6 +1,6 @@
 // The simulation side of a controller in a process of its own.
-#include <csignal>
 #include <sys/wait.h>
+#include <csignal>
 
 #include <algorithm>
 #include <cerrno>
@@ -15,9 +15,9 @@
 #include "cogrsim/core/units.h"
 #include "cogrsim/plugin/crash_report.h"
 #include "control/hosted_controller.h"
-#include "control/process/child_process.h"
 #include "control/process/proxy.h"
 #include "plugin/host_command.h"
+#include "process/child_process.h"
 
 namespace cogrsim {
 
@@ -30,11 +30,6 @@ constexpr double kPatience = 10.0;
 
 /// Fraction of the allowed memory above which messages mention the memory use.
 constexpr double kNearlyAll = 0.5;
-
-std::string signal_name(int number) {
-  const char* name = ::sigabbrev_np(number);
-  return name ? std::string("SIG") + name : "signal " + std::to_string(number);
-}
 
 std::string megabytes(double bytes) { return fmt::format("{:.4g} MB", bytes * 1e-6); }
 
@@ -225,14 +220,7 @@ class IsolatedController final : public HostedController {
         WEXITSTATUS(end.status) == 0) {
       return std::nullopt;
     }
-    if (!end.reported) {
-      failure.what = "lost its process";
-    } else if (WIFSIGNALED(end.status)) {
-      failure.what = "crashed (" + signal_name(WTERMSIG(end.status)) + ")";
-    } else {
-      failure.what =
-          "ended its process (exit code " + std::to_string(WEXITSTATUS(end.status)) + ")";
-    }
+    failure.what = end.text();
     const auto most = static_cast<double>(end.most_bytes);
     if (std::isfinite(memory_) && most > kNearlyAll * memory_) {
       failure.more = "it had taken up to " + megabytes(most) + ", and " + allowed();

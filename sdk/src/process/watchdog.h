@@ -1,4 +1,4 @@
-// The watchdog of a controller's process: see child_process.h.
+// The watchdog of another process: see watched_process.h.
 #pragma once
 
 namespace cogrsim {
@@ -8,12 +8,13 @@ class CallChannel;
 namespace cogrsim::watchdog {
 
 // Descriptors that the program finds open.
-inline constexpr int kMemory = 3;
+inline constexpr int kChannel = 3;
 inline constexpr int kLink = 4;
 inline constexpr int kFirstFree = 10;
 
 /// Starts the worker, and waits for its end. The worker calls `serve` and ends with its return value,
-/// or becomes the program of `command`, which ends with a nullptr. Returns the exit code.
+/// or becomes the program of `command`, which ends with a nullptr; it must, where the channel is a
+/// socket. Returns the exit code.
 int run(int (*serve)(CallChannel&), char** command);
 
 /// What such a program does: calls `serve` and returns its value; 2: it was not started as a worker.

@@ -12,14 +12,6 @@
 
 namespace cogrsim {
 
-/// How a process ended. Its watchdog reports this over a socket to which the process itself has no
-/// access.
-struct ProcessEnd {
-  bool reported = false;          ///< false: the watchdog ended without a report
-  int status = 0;               ///< as returned by waitpid()
-  std::int64_t most_bytes = 0;  ///< maximum resident memory [byte]
-};
-
 /// Header of the shared memory, one page; it is followed by the requests and the replies.
 struct ChannelHeader {
   // Futexes; the sender of a message increments the one of the receiver.

@@ -1,15 +1,16 @@
-#include "control/process/watchdog.h"
+#include "process/watchdog.h"
 
 #include <fcntl.h>
 #include <poll.h>
-#include <csignal>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <cerrno>
 #include <chrono>
@@ -20,7 +21,7 @@
 #include <string>
 #include <thread>
 
-#include "control/process/child_process.h"
+#include "process/child_process.h"
 
 namespace cogrsim::watchdog {
 
@@ -65,15 +66,15 @@ void clear_away(pid_t worker) {
 }
 
 /// Reports the end first on the socket, which a wild pointer in the controller cannot damage.
-void report_end(CallChannel& channel, const ProcessEnd& end) {
+void report_end(std::optional<CallChannel>& memory, const ProcessEnd& end) {
   while (::send(kLink, &end, sizeof end, MSG_NOSIGNAL) < 0 && errno == EINTR) {
   }
-  channel.report_end();
+  if (memory) memory->report_end();
 }
 
 /// Runs the worker; does not return.
-[[noreturn]] void be_worker(CallChannel& channel, pid_t watchdog_id, int (*serve)(CallChannel&),
-                            char** command) {
+[[noreturn]] void be_worker(std::optional<CallChannel>& memory, pid_t watchdog_id,
+                            int (*serve)(CallChannel&), char** command) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != watchdog_id) ::_exit(1);  // the watchdog has already ended
   ::setpgid(0, 0);  // kill(0, …) in a controller must not kill the watchdog
@@ -82,14 +83,15 @@ void report_end(CallChannel& channel, const ProcessEnd& end) {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   if (*command) {
-    ::fcntl(kMemory, F_SETFD, 0);
+    ::fcntl(kChannel, F_SETFD, 0);
     ::execvp(*command, command);
     std::fprintf(stderr, "cannot start '%s': %s\n", *command, std::strerror(errno));
     ::_exit(127);
   }
+  if (!memory) ::_exit(2);
   // Line buffering, so that the output of a controller is not lost when it crashes.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  std::exit(serve(channel));
+  std::exit(serve(*memory));
 }
 
 /// Whether the simulation has left these descriptors open.
@@ -104,14 +106,14 @@ bool started_by_simulation(int file) {
 
 int serve_as_worker(int (*serve)(CallChannel&)) {
   CallChannel channel;
-  if (!started_by_simulation(kMemory) || !channel.open(kMemory)) return 2;
-  ::fcntl(kMemory, F_SETFD, FD_CLOEXEC);
+  if (!started_by_simulation(kChannel) || !channel.open(kChannel)) return 2;
+  ::fcntl(kChannel, F_SETFD, FD_CLOEXEC);
   return serve(channel);
 }
 
 int run(int (*serve)(CallChannel&), char** command) {
-  if (!started_by_simulation(kMemory) || !started_by_simulation(kLink)) return 2;
-  ::fcntl(kMemory, F_SETFD, FD_CLOEXEC);
+  if (!started_by_simulation(kChannel) || !started_by_simulation(kLink)) return 2;
+  ::fcntl(kChannel, F_SETFD, FD_CLOEXEC);
   ::fcntl(kLink, F_SETFD, FD_CLOEXEC);
   ::syscall(SYS_close_range, kLink + 1, ~0U, 0U);  // inherited from the simulation
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
@@ -121,19 +123,23 @@ int run(int (*serve)(CallChannel&), char** command) {
   sigaddset(&watched, SIGCHLD);
   ::sigprocmask(SIG_BLOCK, &watched, nullptr);
   const int signals = ::signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK);
-  CallChannel channel;
-  if (signals < 0 || !channel.open(kMemory)) return 2;
+  struct stat channel {};
+  std::optional<CallChannel> memory;
+  if (signals < 0 || ::fstat(kChannel, &channel) != 0) return 2;
+  const bool is_socket = S_ISSOCK(channel.st_mode);
+  if (!is_socket && !memory.emplace().open(kChannel)) return 2;
 
   const pid_t own = ::getpid();
   const pid_t worker = ::fork();  // safe: this process has only one thread
   if (worker < 0) {
-    report_end(channel, {true, 2 << 8, 0});
+    report_end(memory, {true, 2 << 8, 0});
     return 2;
   }
   if (worker == 0) {
     ::close(signals);
-    be_worker(channel, own, serve, command);
+    be_worker(memory, own, serve, command);
   }
+  if (is_socket) ::close(kChannel);  // its end is the end of the worker
 
   bool over = false;
   while (!over) {
@@ -153,7 +159,7 @@ int run(int (*serve)(CallChannel&), char** command) {
       over = true;
       // All other processes end first, so that none is left when the run continues.
       clear_away(worker);
-      report_end(channel, end);
+      report_end(memory, end);
       break;
     }
   }

@@ -1,4 +1,4 @@
-#include "control/process/channel.h"
+#include "process/channel.h"
 
 #include <fcntl.h>
 #include <linux/futex.h>

@@ -1,0 +1,42 @@
+#include "process/child_process.h"
+
+#include <cerrno>
+
+#include "cogrsim/plugin/crash_report.h"
+
+namespace cogrsim {
+
+Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::string> command) {
+  std::unique_ptr<ChildProcess> child(new ChildProcess);
+  WatchedProcess::Options options;
+  options.command = std::move(command);
+  if (auto made = child->channel_.create(); !made)
+    return fail(made.error().message, "", remedy_of(errno, options.what));
+  auto process = WatchedProcess::start(child->channel_.file(), std::move(options));
+  if (!process) {
+    Error error = process.error();
+    if (error.hint.rfind("raise", 0) == 0) error.hint += ", with isolation=\"none\" none";
+    return tl::unexpected(std::move(error));
+  }
+  child->process_ = std::move(*process);
+  return child;
+}
+
+Result<CallChannel::Answer> ChildProcess::call(const std::vector<char>& request,
+                                               std::vector<char>& reply,
+                                               std::chrono::duration<double> patience) {
+  if (!alive()) return CallChannel::Answer::ended;
+  if (auto asked = channel_.ask(request); !asked) return tl::unexpected(asked.error());
+  auto deadline = CallChannel::Clock::time_point::max();
+  if (patience < std::chrono::hours(24 * 365)) {
+    deadline = CallChannel::Clock::now() +
+               std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
+  }
+  const auto answer = channel_.await(
+      reply, deadline, [this] { return process_->gone(); }, [] { return PluginCall::given_up(); });
+  if (answer != CallChannel::Answer::ended || process_->receive_end() || process_->gone())
+    return answer;
+  return CallChannel::Answer::broken;  // only the (damaged) shared memory reports the end
+}
+
+}  // namespace cogrsim
