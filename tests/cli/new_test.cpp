@@ -2,6 +2,7 @@
 // shown by tests/package.
 #include <sys/stat.h>
 #include <unistd.h>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -101,6 +102,37 @@ TEST_CASE("every kind is made whole, with nothing left to fill in", "[cli][new]"
   }
   // Only the four folders, no drafts.
   CHECK(into.files().size() == 4);
+}
+
+TEST_CASE("a backend in another language is made whole, and flies", "[cli][new]") {
+  const TemporaryFolder into;
+  for (const auto& [language, program] :
+       {std::pair<std::string, std::string>{"js", "node"}, {"python", "python3"}}) {
+    INFO(language);
+    const std::string name = "my_" + language, folder = into / name;
+    const Outcome made =
+        cogrsim_run({"new", "backend", name, "--language", language, "--into", into / ""});
+    INFO(made.err);
+    REQUIRE(made.status == 0);
+    CHECK_THAT(made.out, Contains("test " + name + ".scene.xml --backends " + name + " "));
+    for (const char* file : {"/backend.json", "/README.md", "/.gitignore", "/expectations.json"})
+      CHECK(fs::exists(folder + file));
+    CHECK_FALSE(fs::exists(folder + "/CMakeLists.txt"));  // nothing is built
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      INFO(entry.path().string());
+      CHECK(read_file(entry.path().string()).find("@NAME@") == std::string::npos);
+    }
+    if (std::system((program + " --version > /dev/null 2>&1").c_str()) != 0) continue;
+    const Outcome flown = cogrsim_run({"test", folder + "/" + name + ".scene.xml", "--backends",
+                                       name, "--plugin-path", folder});
+    INFO(flown.err);
+    CHECK(flown.status == 0);
+  }
+  const Outcome wrong =
+      cogrsim_run({"new", "backend", "x", "--language", "cobol", "--into", into / ""});
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.err, Contains("there are c++, js and python"));
+  CHECK(cogrsim_run({"new", "sensor", "x", "--language", "js", "--into", into / ""}).status == 2);
 }
 
 TEST_CASE("new replaces no file and no full folder", "[cli][new]") {

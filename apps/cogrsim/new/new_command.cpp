@@ -64,11 +64,26 @@ struct ProjectFile {
   std::string name, text;
 };
 
-std::vector<ProjectFile> project_files(const std::string& kind, const Placeholders& placeholders) {
+bool is_in_cpp(const NewOptions& options) {
+  return options.language.empty() || options.language == "c++";
+}
+
+// Of a backend in another language that of C++ has the scene and the table, and nothing is built.
+bool is_shared(const TemplateFile& file) {
+  const std::string kind = file.kind, name = file.name;
+  return (kind == "backend" && (name == "@NAME@.scene.xml" || name == "expectations.json")) ||
+         (kind == "common" && name == "gitignore");
+}
+
+std::vector<ProjectFile> project_files(const NewOptions& options,
+                                       const Placeholders& placeholders) {
   std::map<std::string, std::string> texts;
-  for (const std::string& folder : {kind, std::string("common")}) {
+  const bool is_cpp = is_in_cpp(options);
+  const std::string own = is_cpp ? options.kind : options.kind + "-" + options.language;
+  for (const std::string& folder : {own, std::string("backend"), std::string("common")}) {
     for (const TemplateFile& file : template_files()) {
-      if (file.kind != folder) continue;
+      const bool wanted = folder == own || (is_cpp ? folder == "common" : is_shared(file));
+      if (file.kind != folder || !wanted) continue;
       std::string name = filled_in(file.name, placeholders);
       if (name == "gitignore") name = ".gitignore";
       texts.emplace(std::move(name), filled_in(file.text, placeholders));
@@ -133,6 +148,8 @@ std::string plugin_in_the_way(const std::string& name, const std::vector<std::st
     std::error_code fault;
     const fs::path file = fs::path(folder) / (name + ".so");
     if (fs::exists(file, fault)) return file.string();
+    const fs::path adapter = fs::path(folder) / name / "backend.json";
+    if (fs::exists(adapter, fault)) return adapter.string();
   }
   return {};
 }
@@ -143,6 +160,15 @@ std::string success_text(const NewOptions& options, const fs::path& folder,
   std::string text = fmt::format("{}{}{} is a {} of yours:\n", style.bold, folder.string(),
                                  style.off, options.kind);
   for (const ProjectFile& file : files) text += "  " + file.name + "\n";
+  if (!is_in_cpp(options)) {
+    text += fmt::format(
+        "Next:\n"
+        "  cd {0}\n"
+        "  {1}/bin/cogrsim test {2}.scene.xml --backends {2} --plugin-path .\n"
+        "README.md describes the files and the next steps.\n",
+        shell_quoted(folder.string()), shell_quoted(prefix), options.name);
+    return text;
+  }
   text += fmt::format(
       "Next:\n"
       "  cd {}\n"
@@ -179,6 +205,17 @@ void check_names(const NewOptions& options) {
   if (const auto good = check_plugin_name(kind->kind, options.name); !good) {
     throw UsageError("name", good.error());
   }
+  const std::string& language = options.language;
+  if (!language.empty() && language != "c++" && language != "js" && language != "python") {
+    throw UsageError("--language",
+                     Problem(fmt::format("there is no template in '{}'", printable(language)), "",
+                             "there are c++, js and python"));
+  }
+  if (!is_in_cpp(options) && kind->kind != PluginKind::backend) {
+    throw UsageError("--language",
+                     Problem(fmt::format("a {} is made in C++ only", options.kind), "",
+                             "controllers in other languages: docs/plugins/any-language.md"));
+  }
   if (options.into.empty()) throw UsageError("--into", Problem("the name of the folder is empty"));
 }
 
@@ -208,7 +245,7 @@ int new_command(const NewOptions& options) {
                                      {"@KIND@", options.kind},
                                      {"@CLASS@", class_name(options.name)},
                                      {"@PREFIX@", shell_quoted(prefix)}};
-  const std::vector<ProjectFile> files = project_files(options.kind, placeholders);
+  const std::vector<ProjectFile> files = project_files(options, placeholders);
   if (const auto made = make_project(folder, files); !made) {
     return refuse(made.error());
   }
@@ -230,6 +267,10 @@ void add_new(CLI::App& app, int& status) {
       ->type_name("KIND");
   command.add_option("name", arguments->options.name, "Name of the plugin, such as wall_follower")
       ->type_name("NAME");
+  command
+      .add_option("--language", arguments->options.language,
+                  "Of a backend: c++, js or python; the last two run in a process of their own")
+      ->type_name("LANGUAGE");
   command.add_option("--into", arguments->options.into, "Folder in which the folder NAME is made")
       ->type_name("DIR")
       ->capture_default_str();
@@ -242,7 +283,9 @@ void add_new(CLI::App& app, int& status) {
       "  cogrsim new controller wall_follower\n"
       "  cogrsim new sensor ground_radar --into ~/robots\n"
       "  cogrsim new backend my_engine\n"
-      "What it makes builds with cmake -B build && cmake --build build && ctest --test-dir build.");
+      "  cogrsim new backend my_engine --language python\n"
+      "What it makes in C++ builds with cmake -B build && cmake --build build && ctest --test-dir "
+      "build.");
   command.callback([arguments, &status] {
     if (arguments->list) {
       status = print_output(new_kinds_text()) ? kGood : kFailed;

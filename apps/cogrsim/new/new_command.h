@@ -16,6 +16,7 @@ void add_new(CLI::App& app, int& status);
 struct NewOptions {
   std::string kind;                       ///< "backend", "controller", "sensor", "supervisor"
   std::string name;                       ///< of the plugin and of its folder
+  std::string language;                   ///< of a backend: "c++", "js" or "python"; empty: C++
   std::string into = ".";                 ///< folder in which that folder is made
   std::vector<std::string> plugin_paths;  ///< where a plugin of this name might be already
 };

@@ -43,6 +43,7 @@ Capabilities make_capabilities() {
   }
   for (const char* what : {"stiffness", "rolling-friction", "spinning-friction", "surface-velocity"})
     cannot(std::string("contact.") + what, "collisions are not computed");
+  cannot("body.force", "forces from outside are not applied");
   cannot("runtime.attach", "there are no joints");
   cannot("runtime.joint_axes", "there are no joints");
   cannot("report.contact_force", "collisions are not computed");
