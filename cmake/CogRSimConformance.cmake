@@ -1,5 +1,6 @@
 # cogrsim_add_conformance_tests(BACKEND EXPECTATIONS table.json [GROUPS g…] [MUTATIONS m…]
-#                               [VARIANT name OPTION option=value] [CONFORMANCE_ONLY])
+#                               [VARIANT name OPTION option=value] [CONFORMANCE_ONLY|ON_DEMAND]
+#                               [PLUGIN_PATH folder])
 #
 # Makes CTest cases of the conformance suite for a backend: conformance.BACKEND.GROUP for each group of tests, compared
 # with the backend's table of expectations, and conformance.BACKEND.mutation.FAULT for each fault that the suite must
@@ -8,6 +9,7 @@
 # A VARIANT is the backend with an option of its world set in every scene; its cases are
 # conformance.BACKEND-VARIANT.GROUP. CONFORMANCE_ONLY keeps the backend out of those suites of this repository that cost
 # minutes on each engine (COGRSIM_ENGINES); what is cheap runs on all (COGRSIM_EVERY_ENGINE).
+# ON_DEMAND keeps it out of both: PLUGIN_PATH is where it is found, and a build may lack it.
 set(COGRSIM_CONFORMANCE_GROUPS contract free pendulum loop friction bounce contact stack heap pairs terrain
   joints limits motors robot momentum determinism runtime kinematic metamorphic reports faults)
 # With the tests that must detect them, the cheap ones of their group.
@@ -18,7 +20,8 @@ set(COGRSIM_CONFORMANCE_MUTATION_TESTS "[free]" "projectile*,rod pendulum*" "[fr
   "[reports]" "a run resumes*")
 
 function(cogrsim_add_conformance_tests backend)
-  cmake_parse_arguments(arg "CONFORMANCE_ONLY" "EXPECTATIONS;VARIANT;OPTION" "GROUPS;MUTATIONS" ${ARGN})
+  cmake_parse_arguments(arg "CONFORMANCE_ONLY;ON_DEMAND" "EXPECTATIONS;VARIANT;OPTION;PLUGIN_PATH"
+    "GROUPS;MUTATIONS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
       "cogrsim_add_conformance_tests(${backend}): unknown arguments: ${arg_UNPARSED_ARGUMENTS}")
@@ -43,8 +46,11 @@ function(cogrsim_add_conformance_tests backend)
     string(APPEND name "-${arg_VARIANT}")
     list(APPEND arguments --option ${arg_OPTION})
   endif()
+  if(arg_PLUGIN_PATH)
+    list(APPEND arguments --plugin-path "${arg_PLUGIN_PATH}")
+  endif()
   if(CogRSim_SOURCE_DIR)
-    if(NOT arg_VARIANT)
+    if(NOT arg_VARIANT AND NOT arg_ON_DEMAND)
       set_property(GLOBAL APPEND PROPERTY COGRSIM_EVERY_ENGINE ${backend})
       if(NOT arg_CONFORMANCE_ONLY)
         set_property(GLOBAL APPEND PROPERTY COGRSIM_ENGINES ${backend})

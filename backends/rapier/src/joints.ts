@@ -1,0 +1,206 @@
+// Joints of the scene as Rapier's impulse joints, and the drives on their axes.
+import RAPIER from '@dimforge/rapier3d-compat';
+
+import { Refusal, type Joint, type Scene } from './cogrsim_backend.mjs';
+import { conjugate, dot, multiply, plus, turn, type Q4, type V3, xyz, xyzw } from './math.ts';
+
+/** Rapier's joints turn about and slide along x of their frames, those of scenes z. */
+const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
+/** Rapier's own "no limit of the force". */
+const kMostForce = 3.4e38;
+/** Damping of a source of speed: rigid, as far as single precision tells. */
+const kRigid = 1e9;
+
+const frame = (pose: readonly number[]): [RAPIER.Vector, RAPIER.Rotation] => [
+  xyz(pose),
+  xyzw(multiply(pose.slice(3) as Q4, kXToZ)),
+];
+
+function dataOf(joint: Joint): RAPIER.JointData {
+  const zero = { x: 0, y: 0, z: 0 };
+  switch (joint.type) {
+    case 'fixed':
+      return RAPIER.JointData.fixed(zero, xyzw([1, 0, 0, 0]), zero, xyzw([1, 0, 0, 0]));
+    case 'hinge':
+      return RAPIER.JointData.revolute(zero, zero, { x: 1, y: 0, z: 0 });
+    case 'slider':
+      return RAPIER.JointData.prismatic(zero, zero, { x: 1, y: 0, z: 0 });
+    case 'ball':
+      return RAPIER.JointData.spherical(zero, zero);
+    default:
+      throw new Refusal(`joint '${joint.name}': Rapier has no joint of the type ${joint.type}`);
+  }
+}
+
+function setLimits(joint: Joint, made: RAPIER.UnitImpulseJoint): void {
+  const { lower, upper } = joint.axes[0];
+  if (lower === -Infinity && upper === Infinity) return;
+  if (joint.type === 'slider') {
+    made.setLimits(Math.max(lower, -kMostForce), Math.min(upper, kMostForce));
+    return;
+  }
+  // Wider ones do nothing in Rapier, without a word: its angles are between -pi and pi around the
+  // middle of the limits.
+  if (!(upper - lower < 2 * Math.PI)) {
+    throw new Refusal(
+      `joint '${joint.name}': Rapier's hinges hold limits only where the two are less than a turn ` +
+        `apart, and these are ${lower} and ${upper} rad`,
+    );
+  }
+  made.setLimits(lower, upper);
+}
+
+/** A joint with an axis: where it stands, and what acts along it in a step. */
+export class Axis {
+  q = 0;
+  u = 0;
+  #axis: V3 = [0, 0, 1]; // in the world
+  #point: V3 = [0, 0, 0];
+
+  constructor(
+    readonly joint: Joint,
+    readonly made: RAPIER.UnitImpulseJoint,
+    readonly isDriven: boolean,
+  ) {
+    const axis = joint.axes[0];
+    if (axis.rotor_inertia > 0) {
+      throw new Refusal(`joint '${joint.name}': Rapier has no inertia of rotors`);
+    }
+    made.configureMotorModel(RAPIER.MotorModel.ForceBased);
+    if (isDriven) return;
+    if (axis.friction > 0) this.#motor(0, 0, 0, kRigid, axis.friction);
+    // Implicit in Rapier.
+    else if (axis.damping > 0) this.#motor(0, 0, 0, axis.damping, Infinity);
+  }
+
+  #motor(position: number, velocity: number, kp: number, kd: number, most: number): void {
+    this.made.setMotorMaxForce(Math.min(most, kMostForce));
+    this.made.configureMotor(position, velocity, kp, kd);
+  }
+
+  /** Coordinate and speed from the motions of the bodies; full turns follow the last coordinate. */
+  read(): void {
+    const parent = this.made.body1();
+    const child = this.made.body2();
+    const [qp, qc] = [parent.rotation(), child.rotation()];
+    const P: Q4 = [qp.w, qp.x, qp.y, qp.z];
+    const C: Q4 = [qc.w, qc.x, qc.y, qc.z];
+    const F = multiply(P, this.joint.X_PF.slice(3) as Q4);
+    const M = multiply(C, this.joint.X_CM.slice(3) as Q4);
+    const at = (body: RAPIER.RigidBody, q: Q4, pose: readonly number[]): V3 => {
+      const p = body.translation();
+      return plus([p.x, p.y, p.z], turn(q, pose.slice(0, 3) as V3));
+    };
+    this.#axis = turn(F, [0, 0, 1]);
+    this.#point = at(child, C, this.joint.X_CM);
+    if (this.joint.type === 'hinge') {
+      const relative = multiply(conjugate(F), M);
+      const angle = 2 * Math.atan2(relative[3], relative[0]);
+      this.q = angle + 2 * Math.PI * Math.round((this.q - angle) / (2 * Math.PI));
+      const [wp, wc] = [parent.angvel(), child.angvel()];
+      this.u = dot(this.#axis, [wc.x - wp.x, wc.y - wp.y, wc.z - wp.z]);
+      return;
+    }
+    this.q = dot(this.#axis, plus(this.#point, at(parent, P, this.joint.X_PF), -1));
+    const [vp, vc] = [parent, child].map((body) => body.velocityAtPoint(xyz(this.#point)));
+    this.u = dot(this.#axis, [vc.x - vp.x, vc.y - vp.y, vc.z - vp.z]);
+  }
+
+  /** The law of a motor, six numbers at `at`, as Rapier's motor; returns the effort beside it. */
+  drive(drives: Float64Array, at: number): number {
+    const [bias, kp, position, kd, velocity, most] = drives.subarray(at, at + 6);
+    if (kd === Infinity) {
+      this.#motor(0, velocity, 0, kRigid, most);
+      return 0;
+    }
+    if (kp === 0 && kd === 0) {
+      this.#motor(0, 0, 0, 0, 0);
+      return Math.min(Math.max(bias, -most), most);
+    }
+    if (kp === 0) {
+      this.#motor(0, velocity + bias / kd, 0, kd, most);
+      return 0;
+    }
+    let error = position + bias / kp - this.q;
+    let gain = kp;
+    if (this.joint.type === 'hinge' && Math.abs(error) > 3) {
+      // Rapier goes the shorter way round: the same effort from a nearer target.
+      gain = (kp * Math.abs(error)) / 3;
+      error = 3 * Math.sign(error);
+    }
+    // Its angles are those of one turn.
+    const turns = this.joint.type === 'hinge' ? 2 * Math.PI * Math.round(this.q / (2 * Math.PI)) : 0;
+    this.#motor(this.q - turns + error, velocity, gain, kd, most);
+    return 0;
+  }
+
+  /** Spring and damper beside the motor, where that is taken. */
+  passive(): number {
+    const { damping, stiffness, rest, friction } = this.joint.axes[0];
+    const taken = this.isDriven || friction > 0;
+    return (taken ? -damping * this.u : 0) - stiffness * (this.q - rest);
+  }
+
+  /** Applies an effort along the axis to both bodies until forces are reset. */
+  apply(effort: number): void {
+    if (effort === 0) return;
+    const [a, p] = [this.#axis, xyz(this.#point)];
+    const on = (body: RAPIER.RigidBody, e: number): void => {
+      const f = { x: e * a[0], y: e * a[1], z: e * a[2] };
+      if (!body.isDynamic()) return;
+      if (this.joint.type === 'hinge') body.addTorque(f, true);
+      else body.addForceAtPoint(f, p, true);
+    };
+    on(this.made.body2(), effort);
+    on(this.made.body1(), -effort);
+  }
+}
+
+export interface Joints {
+  handles: number[]; // by joint; -1: none
+  axes: (Axis | undefined)[]; // by joint
+}
+
+/** Makes the joints between `bodyOf`, or takes those of `handles`. */
+export function makeJoints(
+  world: RAPIER.World,
+  scene: Scene,
+  bodyOf: (index: number) => RAPIER.RigidBody,
+  handles?: number[],
+): Joints {
+  const driven = new Set(scene.motors.filter((m) => !m.removed).map((m) => m.joint));
+  const out: Joints = { handles: [], axes: [] };
+  scene.joints.forEach((joint, j) => {
+    out.handles.push(-1);
+    out.axes.push(undefined);
+    if (joint.removed || joint.type === 'free') return;
+    let made: RAPIER.ImpulseJoint;
+    const isDriven = driven.has(j);
+    if (handles) {
+      made = world.getImpulseJoint(handles[j]);
+    } else {
+      const [parent, child] = [bodyOf(joint.parent), bodyOf(joint.child)];
+      const make = (): RAPIER.ImpulseJoint => {
+        const it = world.createImpulseJoint(dataOf(joint), parent, child, true);
+        it.setLocalFrame1(...frame(joint.X_PF));
+        it.setLocalFrame2(...frame(joint.X_CM));
+        it.setContactsEnabled(joint.bodies_collide);
+        return it;
+      };
+      made = make();
+      // An axis has one motor in Rapier: friction beside a drive takes that of a second joint.
+      if (isDriven && joint.axes[0]?.friction > 0) {
+        const second = make() as RAPIER.UnitImpulseJoint;
+        second.configureMotorModel(RAPIER.MotorModel.ForceBased);
+        second.setMotorMaxForce(joint.axes[0].friction);
+        second.configureMotor(0, 0, 0, kRigid);
+      }
+    }
+    out.handles[j] = made.handle;
+    if (joint.type !== 'hinge' && joint.type !== 'slider') return;
+    const unit = made as RAPIER.UnitImpulseJoint;
+    if (!handles) setLimits(joint, unit);
+    out.axes[j] = new Axis(joint, unit, isDriven);
+  });
+  return out;
+}
