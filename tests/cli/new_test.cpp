@@ -33,11 +33,9 @@ TEST_CASE("names of plugins that can be had", "[cli][new]") {
   }
   const std::string longest(kLongestPluginName, 'a');
   CHECK(check_plugin_name(PluginKind::controller, longest));
-  for (const std::string name : {"", "Robot", "my-robot", "2x", "_x", "a b", "a/b", "../a", "class",
-                                 "co_await", "test", "install", "all", "a.b",
-                                 "r\xc3\xb6"
-                                 "bi",
-                                 "-x", "a\nb"}) {
+  for (const std::string name :
+       {"", "Robot", "my-robot", "2x", "_x", "a b", "a/b", "../a", "class", "co_await", "test",
+        "install", "all", "a.b", "r\303\266bi", "-x", "a\nb"}) {
     INFO(name);
     const auto good = check_plugin_name(PluginKind::controller, name);
     REQUIRE_FALSE(good);
@@ -123,8 +121,8 @@ TEST_CASE("a backend in another language is made whole, and flies", "[cli][new]"
       CHECK(read_file(entry.path().string()).find("@NAME@") == std::string::npos);
     }
     if (std::system((program + " --version > /dev/null 2>&1").c_str()) != 0) continue;
-    const Outcome flown = cogrsim_run({"test", folder + "/" + name + ".scene.xml", "--backends",
-                                       name, "--plugin-path", folder});
+    const Outcome flown = cogrsim_run(
+        {"test", folder + "/" + name + ".scene.xml", "--backends", name, "--plugin-path", folder});
     INFO(flown.err);
     CHECK(flown.status == 0);
   }
@@ -211,8 +209,8 @@ TEST_CASE("new explains itself", "[cli][new]") {
 
 TEST_CASE("a plugin of the same name is reported", "[cli][new]") {
   const TemporaryFolder into;
-  const Outcome made = cogrsim_run(
-      {"new", "controller", "toy", "--into", into / "", "--plugin-path", COGRSIM_TOYS});
+  const Outcome made =
+      cogrsim_run({"new", "controller", "toy", "--into", into / "", "--plugin-path", COGRSIM_TOYS});
   CHECK(made.status == 0);
   CHECK_THAT(made.err, Contains("there is a plugin 'toy' already") && Contains("toy.so"));
 }

@@ -195,14 +195,11 @@ AdapterProcess::Wait AdapterProcess::receive(char* to, std::size_t count, Clock:
     const ssize_t now = ::recv(channel_, to + got, count - got, 0);
     if (now > 0) {
       got += static_cast<std::size_t>(now);
-    } else if (now == 0) {
-      return Wait::ended;
-    } else if (errno == EAGAIN) {
-      if (Clock::now() < busy_until) continue;
-      if (const Wait wait = await(POLLIN, until); wait != Wait::ready) return wait;
-    } else if (errno != EINTR) {
-      return Wait::ended;
+      continue;
     }
+    if (now == 0 || (errno != EAGAIN && errno != EINTR)) return Wait::ended;
+    if (errno == EINTR || Clock::now() < busy_until) continue;
+    if (const Wait wait = await(POLLIN, until); wait != Wait::ready) return wait;
   }
   return Wait::ready;
 }
