@@ -43,7 +43,8 @@ enum class RunStatus {
   running,    ///< not ended
   completed,  ///< reached the requested time
   stopped,    ///< ended by a command, a supervisor or stop()
-  fault,      ///< ended by a fault of a controller (`on-fault="end-run"`)
+  fault,      ///< ended by a fault of a controller (`on-fault="end-run"`), or of an engine in
+              ///< a process of its own
   diverged    ///< the physics diverged
 };
 /// "running", "completed", "stopped", "fault", "diverged".
