@@ -31,16 +31,9 @@ bool is_free(const Mechanism& mechanism, const Component& c) {
 
 }  // namespace
 
-void StepMemory::clear() {
-  contacts.clear();
-  efforts.clear();
-  udot.resize(0);
-  mean_udot.resize(0);
-  had_rows = false;
-}
-
 Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options)
-    : mechanism_(mechanism),
+    : sleep(mechanism, detector),
+      mechanism_(mechanism),
       contacts_(mechanism, detector, options.solver.tolerance, options.pool.get()),
       options_(options),
       model_(mechanism.model()),
@@ -66,9 +59,6 @@ void Stepper::set(const Values& q, const Values& u) {
 void Stepper::advance(double dt, const std::vector<Drive>& drives,
                       const std::vector<Twist>& twists) {
   drives_ = &drives;
-  std::fill(impulses.joints.begin(), impulses.joints.end(), 0.0);
-  std::fill(impulses.motors.begin(), impulses.motors.end(), 0.0);
-  records.clear();
   for (const Link& link : mechanism_.links()) {
     if (!link.kinematic) continue;
     const Twist& twist = twists[std::size_t(link.plan.body)];
@@ -78,19 +68,36 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
       u[3 + k] = twist.linear[k];
     }
   }
+  if (options_.sleep && !sleep.begin(drives, memory)) return;
+  std::fill(impulses.joints.begin(), impulses.joints.end(), 0.0);
+  std::fill(impulses.motors.begin(), impulses.motors.end(), 0.0);
+  records.clear();
   if (mechanism_.state.nu() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) pass(dt / options_.substeps, kHalvings);
+  if (options_.sleep) add_sleeping();
   const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
     return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
   };
   // They come in this order; only where a step has parts may some be out of it.
-  if (std::is_sorted(records.begin(), records.end(), by_pair)) return;
-  std::stable_sort(records.begin(), records.end(), by_pair);
+  if (!std::is_sorted(records.begin(), records.end(), by_pair))
+    std::stable_sort(records.begin(), records.end(), by_pair);
+  if (options_.sleep) sleep.end(dt, contacts_, partition_, memory, records, impulses);
+}
+
+void Stepper::add_sleeping() {
+  const SleepState& asleep = sleep.state();
+  records.insert(records.end(), asleep.records.begin(), asleep.records.end());
+  for (std::size_t i = 0; i < impulses.joints.size(); ++i)
+    impulses.joints[i] += asleep.impulses.joints[i];
+  for (std::size_t i = 0; i < impulses.motors.size(); ++i)
+    impulses.motors[i] += asleep.impulses.motors[i];
 }
 
 void Stepper::sum_efforts(const Values& q, const Values& u, double weight, bool untouched) {
   for (const AxisLaw& law : laws_) {
-    if (law.implicit || bool(untouched_[std::size_t(law.component)]) != untouched) continue;
+    const std::size_t c = std::size_t(law.component);
+    if (law.implicit || bool(untouched_[c]) != untouched || mechanism_.components()[c].asleep)
+      continue;
     const double impulse = weight * law.effort_at(q, u);
     impulses.joints[std::size_t(law.effort)] += impulse;
     if (law.motor >= 0) impulses.motors[std::size_t(law.motor)] += impulse;
@@ -224,6 +231,10 @@ void Stepper::move(double h) {
   const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
   accelerations_.compute(laws_, udot_, smooth ? nullptr : &middle);
   contacts_.detect(h, memory.contacts);
+  if (options_.sleep && sleep.wake_touched(contacts_.manifolds(), memory)) {
+    set(q0_, u0_);
+    return move(h);
+  }
   const bool rows = build_rows(h);
 
   if (!rows && options_.scheme != Scheme::midpoint) {
@@ -237,7 +248,7 @@ void Stepper::move(double h) {
   bool separate = false;
   for (const Component& c : m.components())
     separate = separate || (untouched_[std::size_t(&c - m.components().data())] &&
-                            !c.is_free_body && c.size() > 0);
+                            !c.is_free_body && c.size() > 0 && !c.asleep);
   separate = separate && options_.scheme != Scheme::midpoint;
   if (!separate) std::fill(untouched_.begin(), untouched_.end(), 0);
   if (smooth && m.has_loops()) accelerations_.compute(laws_, udot_, &middle);
