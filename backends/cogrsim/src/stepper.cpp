@@ -12,7 +12,7 @@ constexpr double kDoubt = 0.05;
 
 // A step in which an impact meets a mechanism of which a link turns by more [rad], or contact adds more to its energy, as a
 // part of it, is halved, so many times at most: its forces are those of the speeds before.
-constexpr double kWhip = 0.1, kGain = 1e-3;
+constexpr double kWhip = 0.1, kGain = 1e-5;
 constexpr int kHalvings = 4;
 
 // An overlap is left where a link would move by more than this times what the gap gains, and this [m].
@@ -142,13 +142,13 @@ bool Stepper::build_rows(double h) {
   return any;
 }
 
-bool Stepper::find_whips(double h) {
+bool Stepper::find_whips(double h, int parts) {
   whips_.clear();
   const std::vector<LinkMotion>& motions = mechanism_.motions();
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const int c = mechanism_.links()[i].component;
     if (c < 0 || mechanism_.components()[std::size_t(c)].is_free_body) continue;
-    if (!(h * motions[i].angular.norm() > kWhip)) continue;
+    if (!(parts * h * motions[i].angular.norm() > kWhip)) continue;
     if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, 0.0, 0.0});
   }
   for (Whip& whip : whips_) measure_whip(h, whip);
@@ -163,11 +163,12 @@ void Stepper::measure_whip(double h, Whip& whip) const {
     const Vec3 v = motion.velocity_at(motion.X * link.com);
     const Vec3 spin = motion.X.R.transpose() * motion.angular;
     whip.energy += 0.5 * (link.mass * v.squaredNorm() + spin.dot(link.inertia * spin));
-    whip.work += h * mechanism_.loads()[std::size_t(i)].force.norm() * v.norm();
+    const Wrench& load = mechanism_.loads()[std::size_t(i)];
+    whip.work += h * (load.force.dot(v) + load.torque.dot(motion.angular));
   }
 }
 
-// A mechanism that whips and that an impact met, or that has more energy than its loads and motors gave it. `start`: the efforts
+// A mechanism that whips and that an impact met, or that has more energy than its loads, springs and motors gave it. `start`: the efforts
 // before the step.
 bool Stepper::must_be_halved(double h, const EffortSums& start) const {
   if (hit_.empty()) return false;  // nothing touched anything
@@ -176,13 +177,15 @@ bool Stepper::must_be_halved(double h, const EffortSums& start) const {
     if (untouched_[std::size_t(before.component)]) continue;
     Whip after = before;
     measure_whip(h, after);
-    double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
+    double allowed = before.energy * (1.0 + kGain) + 0.5 * (before.work + after.work);
     for (const AxisLaw& law : laws_) {
-      if (law.component != before.component || law.motor < 0) continue;
-      const std::size_t motor = std::size_t(law.motor);
-      const double fastest =
-          std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
-      allowed += std::abs(impulses.motors[motor] - start.motors[motor]) * fastest;
+      if (law.component != before.component) continue;
+      const double spring = h * law.law.kp * (law.law.position - law.coordinate(q0_));
+      const double impulse = law.motor < 0 ? spring
+                                           : impulses.motors[std::size_t(law.motor)] -
+                                                 start.motors[std::size_t(law.motor)];
+      allowed += std::abs(impulse) *
+                 std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
     }
     if (!(after.energy <= allowed)) return true;
   }
@@ -190,7 +193,8 @@ bool Stepper::must_be_halved(double h, const EffortSums& start) const {
 }
 
 void Stepper::pass(double h, int halvings) {
-  if (!has_mechanisms_ || halvings == 0 || !find_whips(h)) return move(h);
+  if (!has_mechanisms_ || halvings == 0 || !find_whips(h, 1 << (kHalvings - halvings)))
+    return move(h);
   const Values q = mechanism_.state.q(), u = mechanism_.state.u();
   const StepMemory start = memory;
   const EffortSums efforts = impulses;

@@ -48,12 +48,13 @@ class Stepper {
  private:
   // One part of a step; where a whip is hit, its halves instead.
   void pass(double h, int halvings);
-  // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step, at most [J].
+  // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step at these speeds [J].
   struct Whip {
     int component = -1;
     double energy = 0.0, work = 0.0;
   };
-  bool find_whips(double h);
+  // h: of `parts` of the step.
+  bool find_whips(double h, int parts);
   void measure_whip(double h, Whip& whip) const;
   bool must_be_halved(double h, const EffortSums& start) const;
   void move(double h);
