@@ -10,9 +10,11 @@ namespace {
 // are only just not stiff (kExplicitLimit in drives.cpp) reach 0.03.
 constexpr double kDoubt = 0.05;
 
-// A step in which an impact meets a mechanism of which a link turns by more [rad], or contact adds more to its energy, as a
-// part of it, is halved, so many times at most: its forces are those of the speeds before.
-constexpr double kWhip = 0.1, kGain = 1e-5;
+// A step after which a mechanism has more energy than before and than what acts on it gave, by more than this part of it, is
+// taken again in halves, so many times at most: forces were those of the speeds before. Where a link turns
+// by more than kWhip in the step [rad], also one in which an impact meets it; below kTurns none is.
+constexpr double kTurns = 0.01, kGain = 1e-2;
+constexpr double kWhip = 0.1, kWhipGain = 1e-5;
 constexpr int kHalvings = 4;
 
 // An overlap is left where a link would move by more than this times what the gap gains, and this [m].
@@ -148,8 +150,10 @@ bool Stepper::find_whips(double h, int parts) {
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const int c = mechanism_.links()[i].component;
     if (c < 0 || mechanism_.components()[std::size_t(c)].is_free_body) continue;
-    if (!(parts * h * motions[i].angular.norm() > kWhip)) continue;
-    if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, 0.0, 0.0});
+    const double turn = parts * h * motions[i].angular.norm();
+    if (!(turn > kTurns)) continue;
+    if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, false, 0.0, 0.0});
+    whips_.back().is_fast = whips_.back().is_fast || turn > kWhip;
   }
   for (Whip& whip : whips_) measure_whip(h, whip);
   return !whips_.empty();
@@ -173,11 +177,12 @@ void Stepper::measure_whip(double h, Whip& whip) const {
 bool Stepper::must_be_halved(double h, const EffortSums& start) const {
   if (hit_.empty()) return false;  // nothing touched anything
   for (const Whip& before : whips_) {
-    if (hit_[std::size_t(before.component)]) return true;
+    if (before.is_fast && hit_[std::size_t(before.component)]) return true;
     if (untouched_[std::size_t(before.component)]) continue;
     Whip after = before;
     measure_whip(h, after);
-    double allowed = before.energy * (1.0 + kGain) + 0.5 * (before.work + after.work);
+    double allowed = before.energy * (1.0 + (before.is_fast ? kWhipGain : kGain)) +
+                     0.5 * (before.work + after.work);
     for (const AxisLaw& law : laws_) {
       if (law.component != before.component) continue;
       const double spring = h * law.law.kp * (law.law.position - law.coordinate(q0_));

@@ -51,6 +51,7 @@ class Stepper {
   // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step at these speeds [J].
   struct Whip {
     int component = -1;
+    bool is_fast = false;
     double energy = 0.0, work = 0.0;
   };
   // h: of `parts` of the step.
