@@ -7,9 +7,19 @@
 namespace cogrsim::dynamics {
 namespace {
 
+// A load or a motor's effort that differs by more than this part of it is another one, as is a target that differs by so
+// much [rad], [m]: what still trembles does not wake itself, and what is ramped is compared with where it began.
+constexpr double kSameLoad = 1e-3, kSameTarget = 1e-6;
+
 bool same(const Drive& a, const Drive& b) {
-  return a.bias == b.bias && a.kp == b.kp && a.position == b.position && a.kd == b.kd &&
+  return std::abs(a.bias - b.bias) <= kSameLoad * std::abs(a.bias) && a.kp == b.kp &&
+         std::abs(a.position - b.position) <= kSameTarget && a.kd == b.kd &&
          a.velocity == b.velocity && a.max_effort == b.max_effort;
+}
+
+bool same(const Wrench& a, const Wrench& b) {
+  return (a.force - b.force).norm() <= kSameLoad * a.force.norm() &&
+         (a.torque - b.torque).norm() <= kSameLoad * a.torque.norm();
 }
 
 template <class T>
@@ -100,16 +110,18 @@ bool Sleep::begin(const std::vector<Drive>& drives, StepMemory& memory) {
   for (const Tie& tie : ties_)
     if (is_kept_moving(std::size_t(tie.link))) disturb(tie.component, memory);
   state_.drives.resize(drives.size());
-  for (std::size_t i = 0; i < drives.size(); ++i)
-    if (!same(drives[i], state_.drives[i]) || drives[i].velocity != 0.0)
-      disturb(by_motor_[i], memory);
-  state_.drives = drives;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (same(state_.drives[i], drives[i]) && drives[i].velocity == 0.0) continue;
+    disturb(by_motor_[i], memory);
+    state_.drives[i] = drives[i];
+  }
   const std::vector<Wrench>& loads = mechanism_.loads();
   state_.loads.resize(loads.size());
-  for (std::size_t i = 0; i < loads.size(); ++i)
-    if (loads[i].force != state_.loads[i].force || loads[i].torque != state_.loads[i].torque)
-      disturb(mechanism_.links()[i].component, memory);
-  state_.loads = loads;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    if (same(state_.loads[i], loads[i])) continue;
+    disturb(mechanism_.links()[i].component, memory);
+    state_.loads[i] = loads[i];
+  }
   for (const Component& c : mechanism_.components()) moves = moves || (!c.asleep && c.size() > 0);
   return moves;
 }
@@ -173,14 +185,17 @@ void Sleep::start_again(const Component& c) {
 void Sleep::end(double dt, const Contacts& contacts, Partition& partition, StepMemory& memory,
                 const std::vector<ContactRecord>& records, const EffortSums& impulses) {
   const std::vector<Component>& components = mechanism_.components();
+  std::vector<char> driven(components.size(), 0);  // a motor holds it
+  for (std::size_t i = 0; i < by_motor_.size(); ++i)
+    if (by_motor_[i] >= 0 && state_.drives[i].kp + state_.drives[i].kd > 0.0)
+      driven[std::size_t(by_motor_[i])] = 1;
   if (state_.start_q.size() == 0) state_.start_q = mechanism_.state.q();
   for (std::size_t c = 0; c < components.size(); ++c) {
     if (components[c].asleep) continue;
-    const bool held = memory.had_rows && partition.has_rows(int(c));
+    const bool held = (memory.had_rows && partition.has_rows(int(c))) || driven[c];
     state_.still[c] = held && stays_in_place(components[c]) ? state_.still[c] + dt : 0.0;
     if (state_.still[c] == 0.0) start_again(components[c]);
   }
-  if (!memory.had_rows) return;
   for (const Manifold& m : contacts.manifolds()) {
     bool moves = !detector_.surface_velocity(*m.first).isZero(0.0);
     for (const int link : m.link)
@@ -189,23 +204,25 @@ void Sleep::end(double dt, const Contacts& contacts, Partition& partition, StepM
     for (int s = 0; s < 2 && moves; ++s)
       if (m.component[s] >= 0) state_.still[std::size_t(m.component[s])] = 0.0;
   }
+  const auto first_of = [&](std::size_t c) {
+    return std::size_t(memory.had_rows ? partition.first_of(int(c)) : int(c));
+  };
   // Of each island the least.
   std::vector<double> still(components.size(), kStillTime);
   for (std::size_t c = 0; c < components.size(); ++c) {
-    double& least = still[std::size_t(partition.first_of(int(c)))];
+    double& least = still[first_of(c)];
     least = std::min(least, state_.still[c]);
   }
   bool any = false;
   for (std::size_t c = 0; c < components.size(); ++c) {
-    const int first = partition.first_of(int(c));
-    if (components[c].asleep || components[c].size() == 0 || still[std::size_t(first)] < kStillTime)
-      continue;
+    const std::size_t first = first_of(c);
+    if (components[c].asleep || components[c].size() == 0 || still[first] < kStillTime) continue;
     any = true;
-    state_.group[c] = first;
+    state_.group[c] = int(first);
     mark(c);
     for (const int u : components[c].speeds) {
       mechanism_.state.change_u()[u] = 0.0;
-      memory.udot[u] = 0.0;
+      if (memory.udot.size() > 0) memory.udot[u] = 0.0;
       if (memory.mean_udot.size() > 0) memory.mean_udot[u] = 0.0;
     }
   }

@@ -18,15 +18,16 @@ struct SleepState {
   std::vector<WarmContact> contacts;
   std::vector<ContactRecord> records;
   EffortSums impulses;  ///< 0 of what is awake
-  // Of the last step: what differs from them is a disturbance.
+  // When each was last another one:
   std::vector<Drive> drives;
   std::vector<Wrench> loads;  ///< (nlink)
 };
 
 /// Components that contact couples fall asleep together, where no coordinate of theirs left its place by
-/// kInPlace for kStillTime (their speeds are no measure: resting points yield to their loads, see README), and wake together: by contact with what is awake or moved, a motor with another
-/// command, another force, a body they hang on that is moved. A motor that is to turn, and a surface that
-/// moves, keep them awake, as does having neither contact nor a motor or limit: what swings is slow at times.
+/// kInPlace for kStillTime, and wake together: by contact with what is awake or moved, a motor with
+/// another command, another force, a body they hang on that is moved. A motor that is to turn and a surface
+/// that moves keep them awake, as does having neither contact, nor a limit, nor a motor that holds: what
+/// swings is slow at times. Each is compared with what it was when they were last disturbed.
 class Sleep {
  public:
   static constexpr double kInPlace = 1e-4;   // [m], [rad]; of quaternions half of that
