@@ -120,9 +120,13 @@ std::optional<Mat3> inertia_of_shapes(Context& context, const RobotLink& link, b
   return out.allFinite() ? std::optional(out) : std::nullopt;
 }
 
-/// A zero inertia with a mass is an omission: the shapes' inertia takes its place.
+/// A point mass is legal in a file and singular in an engine: a ball of a hundredth of a millimetre.
+double least_moment(double mass) { return 0.4 * mass * 1e-10; }
+
+/// A zero inertia with a mass, or what rounding left of it, is an omission: the shapes' inertia takes
+/// its place.
 void fill_empty_inertia(Context& context, RobotLink& link) {
-  if (link.inertia->I.cwiseAbs().maxCoeff() > 0.0) return;
+  if (link.inertia->I.cwiseAbs().maxCoeff() > least_moment(link.inertia->mass)) return;
   auto I = inertia_of_shapes(context, link, true);
   if (!I) I = inertia_of_shapes(context, link, false);
   if (!I) return;
@@ -145,8 +149,7 @@ void repair_inertias(Context& context, RobotModel& robot) {
     if (solver.info() != Eigen::Success) continue;
     const Vec3& before = solver.eigenvalues();  // ascending
     Vec3 m = before;
-    // A point mass is legal in a file and singular in an engine: a ball of a hundredth of a millimetre.
-    const double least = std::max(1e-9 * std::abs(m[2]), 0.4 * inertia.mass * 1e-10);
+    const double least = std::max(1e-9 * std::abs(m[2]), least_moment(inertia.mass));
     for (int i = 0; i < 3; ++i) m[i] = std::max(m[i], least);
     const double violation = m[2] - m[0] - m[1];
     const double slack = 1e-12 * m[2];
