@@ -323,6 +323,17 @@ TEST_CASE("an inertia that is zero is taken from the shapes", "[urdf]") {
   REQUIRE(in.model);
   CHECK(in.body("a").inertia.maxCoeff() < 1e-9);
   CHECK(in.reports(kApproximate, "inertia of link 'a'", "the nearest possible ones"));
+  // Between joints that move it is a ball of 1 cm.
+  in.read(R"(<robot name="r"><link name="base"/>
+    <link name="a"><inertial><mass value="2"/></inertial></link>
+    <link name="b"><inertial><mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="j" type="continuous"><parent link="base"/><child link="a"/></joint>
+    <joint name="k" type="continuous"><axis xyz="0 1 0"/><parent link="a"/><child link="b"/>
+    </joint></robot>)");
+  REQUIRE(in.model);
+  CHECK((in.body("a").inertia - 8e-5 * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-15);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "a ball's of 1 cm"));
 }
 
 TEST_CASE("a mesh that moves is decomposed if that is asked", "[urdf][mesh]") {
