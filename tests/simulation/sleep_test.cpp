@@ -82,7 +82,7 @@ TEST_CASE("what rests sleeps, and contact wakes all that it holds", "[sleep]") {
   double load = 0.0;
   for (const Contact& c : s->frame()->contacts)
     if (c.body_a == 0 || c.body_b == 0) load += std::abs(c.force.z());
-  CHECK(load == Approx(6 * 9.80665).epsilon(1e-3));
+  CHECK(load == Approx(6 * 9.81).epsilon(1e-3));
   auto awake = run(sleeper(tower() + kBall, false), 1.4);
   CHECK((pose(*s, "b5").p - pose(*awake, "b5").p).norm() < 1e-4);
   bool woke = false;
@@ -173,7 +173,7 @@ TEST_CASE("a motor that holds sleeps with what it holds, and a command wakes it"
   auto s = run(sleeper(arm), 3.0);
   REQUIRE(stands_still(*s, "arm"));
   const double held = s->frame()->state.motor_efforts.at(0);
-  CHECK(std::abs(held) == Approx(0.4 * 9.80665).epsilon(1e-3));
+  CHECK(std::abs(held) == Approx(0.4 * 9.81).epsilon(1e-3));
   s->send(SetMotor{"drive", 0.5});
   s->run_until(s->time() + 1.0);
   CHECK(s->frame()->state.joint_positions.at(0) == Approx(0.5).margin(0.01));
