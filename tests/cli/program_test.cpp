@@ -325,6 +325,37 @@ TEST_CASE("a backend that the scene asks for and that is not there is shown in i
   CHECK(with_toys({"run", scene, "--backend", "toy", "--duration", "0.01"}).status == 0);
 }
 
+TEST_CASE("options of a backend that lacks what it needs say what, and how to get it",
+          "[cli][program]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "ghost");
+  std::ofstream(folder / "ghost/backend.json")
+      << R"({"name": "ghost", "engine": "Ghost", "protocol": 1, "command": ["no_such_program"],
+             "needs": [{"program": "no_such_program", "install": "apt install no-such"}]})";
+  std::ofstream(folder / "ghostly.so") << "no library";
+  const auto check = [&](const std::string& physics, const std::string& body) {
+    const std::string scene = folder / "a.scene.xml";
+    std::ofstream(scene) << "<scene name=\"a\" version=\"1\">" << physics << "<assembly name=\"A\">"
+                         << body
+                         << "<sphere name=\"b\" radius=\"1\" mass=\"1 kg\"/></assembly></scene>";
+    return cogrsim_run({"check", scene, "--plugin-path", folder / ""});
+  };
+  for (const auto& [physics, body] :
+       {std::pair<std::string, std::string>{"<physics><ghost/></physics>", ""},
+        {"<physics backend=\"ghost\"><ghost x=\"1\"/></physics>", ""},
+        {"", "<ghost/>"}}) {
+    INFO(physics << body);
+    const Outcome lacks = check(physics, body);
+    CHECK(lacks.status == 1);
+    CHECK_THAT(lacks.out, Contains("CG0910") &&
+                              Contains("no_such_program is not installed (apt install no-such)"));
+    CHECK_THAT(lacks.out, !Contains("unknown element"));
+  }
+  CHECK_THAT(check("<physics><ghostly/></physics>", "").out,
+             Contains("CG0902") && Contains("not a shared library"));
+  CHECK_THAT(check("<physics><ghots/></physics>", "").out, Contains("unknown element <ghots>"));
+}
+
 TEST_CASE("a backend that cannot do what the scene needs says where", "[cli][program]") {
   const std::string scene = kScenes + "/hinged.scene.xml";
   const Outcome run = with_toys({"run", scene, "--backend", "toy"});

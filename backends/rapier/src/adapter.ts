@@ -19,6 +19,11 @@ await RAPIER.init();
 
 const key = (a: number, b: number): string => `${Math.min(a, b)} ${Math.max(a, b)}`;
 const array = (v: Xyz): V3 => [v.x, v.y, v.z];
+function put(out: Float64Array, at: number, v: Xyz): void {
+  out[at] = v.x;
+  out[at + 1] = v.y;
+  out[at + 2] = v.z;
+}
 
 /** What a snapshot holds beside Rapier's own. */
 interface Handles {
@@ -38,6 +43,7 @@ class RapierWorld implements World {
   #numbers = new Map<number, number>(); // of bodies, by their handles
   #apart = new Set<string>(); // pairs of handles that never touch
   #dt = 1;
+  #isPushed = true; // the last step, or the one that a snapshot is of, may have left forces
 
   constructor(
     readonly scene: Scene,
@@ -162,12 +168,15 @@ class RapierWorld implements World {
       if (!body) return;
       if (model.kind === 'kinematic') this.#setTwist(b, twists);
       if (model.kind !== 'dynamic') return;
-      body.resetForces(true);
-      body.resetTorques(true);
+      if (this.#isPushed) {
+        body.resetForces(true);
+        body.resetTorques(true);
+      }
       if (!forces) return;
       body.addForce(xyz(forces, 6 * b), true);
       body.addTorque(xyz(forces, 6 * b + 3), true);
     });
+    this.#isPushed = forces !== null || this.#joints.axes.some((axis) => axis !== undefined);
     const beside = new Float64Array(this.scene.joints.length);
     this.scene.motors.forEach((motor, m) => {
       if (!motor.removed) beside[motor.joint] += this.#joints.axes[motor.joint]!.drive(drives, 6 * m);
@@ -189,14 +198,18 @@ class RapierWorld implements World {
       if (!body) return;
       body.translation(p);
       body.rotation(q);
-      out.poses.set([p.x, p.y, p.z, q.w, q.x, q.y, q.z], 7 * b);
-      if (body.isFixed()) return;
-      const spin = array(body.angvel(w));
-      const arm = this.scene.bodies[b].kind === 'dynamic'
-        ? turn([q.w, q.x, q.y, q.z], this.scene.bodies[b].com)
-        : ([0, 0, 0] as V3);
-      const velocity = plus(array(body.linvel(v)), cross(spin, arm), -1);
-      out.twists.set([...velocity, ...spin], 6 * b);
+      put(out.poses, 7 * b, p);
+      out.poses[7 * b + 3] = q.w;
+      put(out.poses, 7 * b + 4, q);
+      const model = this.scene.bodies[b];
+      if (model.kind === 'static') return;
+      body.linvel(v);
+      body.angvel(w);
+      put(out.twists, 6 * b, v);
+      put(out.twists, 6 * b + 3, w);
+      if (model.kind !== 'dynamic' || model.com.every((x) => x === 0)) return;
+      const lever = cross(array(w), turn([q.w, q.x, q.y, q.z], model.com));
+      lever.forEach((x, i) => (out.twists[6 * b + i] -= x));
     });
   }
 
@@ -286,6 +299,7 @@ class RapierWorld implements World {
     this.#colliders = handles.colliders;
     this.#joints = makeJoints(world, this.scene, (b) => this.#bodies[b] ?? this.#ground, handles.joints);
     this.#takeNumbers(state);
+    this.#isPushed = true;
   }
 
   free(): void {

@@ -212,6 +212,13 @@ class Checker {
   }
 
   void unknown_element(const Node& node, const Node& where) {
+    if (where.spec->engine_blocks) {
+      // The block of an engine that this machine cannot run as it is.
+      if (const auto fault = files_.engine_fault(std::string(node.name))) {
+        sink_.report(fault->code.c_str(), node.span, nullptr, fault->message).help(fault->hint);
+        return;
+      }
+    }
     Report report = sink_.report("CG0201", node.span, nullptr,
                                  "unknown element <" + std::string(node.name) + ">");
     const std::string name = small_letters(node.name);

@@ -115,6 +115,9 @@ class SourceFiles {
   /// Engine names that are allowed as elements in `<physics>` and `<assembly>`.
   const std::vector<std::string>& engine_blocks() const;
 
+  /// Why the engine of this name, which is there, cannot be used: refused, or without what it needs.
+  std::optional<Error> engine_fault(const std::string& name) const;
+
   /// Span of `length` bytes from `begin` in a decoded attribute value (column-exact even when
   /// the value holds entities or line breaks).
   SourceSpan span_in_value(const Attribute& attribute, std::size_t begin, std::size_t length) const;

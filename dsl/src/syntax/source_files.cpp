@@ -133,6 +133,15 @@ const std::vector<std::string>& SourceFiles::engine_blocks() const {
   return *engine_blocks_;
 }
 
+std::optional<Error> SourceFiles::engine_fault(const std::string& name) const {
+  if (!options_.plugins) return std::nullopt;
+  const auto options = options_.plugins->world_options(name);
+  if (options || (options.error().code != "CG0902" && options.error().code != "CG0910")) {
+    return std::nullopt;
+  }
+  return options.error();
+}
+
 const Document* SourceFiles::open_scene(const std::string& path) {
   std::error_code fault;
   const auto refuse = [&](const char* code, std::string message, std::string help = {}) {
