@@ -97,10 +97,12 @@ TEST_CASE("what rests sleeps, and contact wakes all that it holds", "[sleep]") {
 
 TEST_CASE("sleeping worlds have the same bits on any number of threads", "[sleep]") {
   std::string bodies = kBall;
-  for (int i = 0; i < 60; ++i)
+  for (int i = 0; i < 60; ++i) {
+    const int column = i % 10, row = i / 10;
     bodies += "<box name=\"c" + std::to_string(i) + "\" size=\"20 15 10 cm\" mass=\"1 kg\" xyz=\"" +
-              std::to_string(0.4 * (i % 10)) + " " + std::to_string(0.4 * (i / 10) - 1.0) +
+              std::to_string(0.4 * column) + " " + std::to_string(0.4 * row - 1.0) +
               " 0.2\" rpy=\"" + std::to_string(3 * i) + " 0 0 deg\"/>";
+  }
   const auto alone = run(sleeper(bodies), 3.0), many = run(sleeper(bodies, true, 3), 3.0);
   CHECK(state_hash(many->frame()->state) == state_hash(alone->frame()->state));
   int still = 0;
