@@ -22,11 +22,6 @@ bool same(const Wrench& a, const Wrench& b) {
          (a.torque - b.torque).norm() <= kSameLoad * a.torque.norm();
 }
 
-template <class T>
-bool by_pair(const T& a, const T& b) {
-  return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
-}
-
 // Those of `from` for which `moves` holds, to their places in `to`; both in the order of the colliders.
 template <class T, class Moves>
 void move_over(std::vector<T>& from, std::vector<T>& to, const Moves& moves) {

@@ -109,8 +109,7 @@ Result<> DynamicsWorld::set_state(const WorldState& state) {
     m.state.change_u() = u;
     return fail(message_of(e));
   }
-  engine_->stepper.memory.clear();
-  engine_->stepper.sleep.wake_all();
+  engine_->stepper.forget();
   progress_.reactions_kept = false;
   return {};
 }

@@ -77,12 +77,9 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
   if (mechanism_.state.nu() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) pass(dt / options_.substeps, kHalvings);
   if (options_.sleep) add_sleeping();
-  const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
-    return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
-  };
-  // They come in this order; only where a step has parts may some be out of it.
-  if (!std::is_sorted(records.begin(), records.end(), by_pair))
-    std::stable_sort(records.begin(), records.end(), by_pair);
+  // They come in the order of the colliders; only where a step has parts may some be out of it.
+  if (!std::is_sorted(records.begin(), records.end(), by_pair<ContactRecord>))
+    std::stable_sort(records.begin(), records.end(), by_pair<ContactRecord>);
   if (options_.sleep) sleep.end(dt, contacts_, partition_, memory, records, impulses);
 }
 

@@ -40,6 +40,12 @@ class Stepper {
   /// where loops cannot be closed; the state is then undefined.
   void advance(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
 
+  /// Nothing of the steps before counts, as where another state is set; all is awake.
+  void forget() {
+    memory.clear();
+    sleep.wake_all();
+  }
+
   StepMemory memory;
   Sleep sleep;
   EffortSums impulses;                 ///< of the last step: effort times time

@@ -57,8 +57,7 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   if (result.status == StepStatus::diverged) {
     m.state.change_q() = progress_.start_q;
     m.state.change_u() = progress_.start_u;
-    engine_->stepper.memory.clear();
-    engine_->stepper.sleep.wake_all();
+    engine_->stepper.forget();
     return result;
   }
   progress_.reactions_kept = false;

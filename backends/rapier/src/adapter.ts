@@ -350,7 +350,7 @@ const kCapabilities: Record<string, Support> = {
   'body.kinematic': 'exact',
   'body.gravity-scale': 'exact',
   'contact.*': ['unsupported', kNoInterface],
-  'runtime.*': ['approximate', 'the world is built anew: contacts lose their impulses'],
+  'runtime.*': ['approximate', 'the world is rebuilt: contacts lose their impulses'],
   'runtime.save': 'exact',
   'report.contact_force': ['approximate', `its part along the normal: of friction ${kNoInterface}`],
   'report.joint_reaction': ['unsupported', kNoInterface],
