@@ -27,7 +27,7 @@ packages=(
   libcurl4-openssl-dev libarchive-dev libssl-dev
   python3-dev pybind11-dev python3-numpy dpkg-dev file
   catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl liborocos-kdl-dev liburdfdom-dev
-  chromium fonts-dejavu-core
+  chromium fonts-dejavu-core zsh fish
 )
 # The packages of each backend.
 for list in "$repo"/{backends,renderers}/*/packages.txt; do

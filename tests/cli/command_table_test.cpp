@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -11,6 +12,7 @@
 #include "../support/temporary_folder.h"
 #include "common/command_line.h"
 #include "common/command_pages.h"
+#include "common/complete.h"
 
 namespace fs = std::filesystem;
 using namespace cogrsim::cli;
@@ -121,7 +123,7 @@ TEST_CASE("the reference of the command line is up to date", "[cli][table]") {
 
 TEST_CASE("help, manual page and completion have every command and option", "[cli][table]") {
   const Table table;
-  const std::string man = man_page(*table.app), script = bash_completion(*table.app);
+  const std::string man = man_page(*table.app);
   const std::string reference = reference_page(*table.app);
   std::size_t options = 0;
   for (const CLI::App* command : table.app->get_subcommands({})) {
@@ -131,13 +133,14 @@ TEST_CASE("help, manual page and completion have every command and option", "[cl
     CHECK_THAT(man, Contains("\n.SS cogrsim " + command->get_name()));
     CHECK_THAT(reference, Contains("\n## cogrsim " + command->get_name()));
     const std::string help = command->help("cogrsim");
+    const std::string completed = to_text(complete(*table.app, {command->get_name(), "--"}));
     for (const CLI::Option* option : command->get_options()) {
       for (const std::string& name : option->get_lnames()) {
         INFO(name);
         ++options;
         CHECK_FALSE(option->get_description().empty());
         CHECK_THAT(help, Contains("--" + name));
-        CHECK_THAT(script, Contains("--" + name));
+        CHECK_THAT(completed, Contains("--" + name + "\t"));
         // It is accepted: nothing but its value, or another argument, may be missed.
         const std::string refusal = table.refusal({command->get_name(), "--" + name});
         CHECK_THAT(refusal, !Contains("not expected"));
@@ -184,33 +187,121 @@ TEST_CASE("every command line of the documents parses", "[cli][table]") {
   CHECK(tried > 200);
 }
 
-TEST_CASE("bash completes commands, options and their values", "[cli][table]") {
+namespace {
+
+// "run render :files".
+std::string words_after(const CLI::App& table, const std::vector<std::string>& words) {
+  const Completions found = complete(table, words);
+  std::string out;
+  for (const Completions::Word& word : found.words) out += word.text + " ";
+  if (found.files == Completions::Files::all) out += ":files ";
+  if (found.files == Completions::Files::folders) out += ":folders ";
+  if (!out.empty()) out.pop_back();
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("commands, options and their values are completed", "[cli][table][complete]") {
+  const Table table;
+  const auto completed = [&](const std::vector<std::string>& words) {
+    return words_after(*table.app, words);
+  };
+  CHECK(completed({"comp"}) == "compare completion");
+  CHECK(completed({"compare", "x.scene.xml", "--th"}) == "--threshold");
+  CHECK(completed({"check", "--format", "s"}) == "sarif");
+  CHECK(completed({"check", "--format=s"}) == "--format=sarif");
+  CHECK(completed({"check", "--format", "=", "s"}) == "sarif");  // as bash has it
+  CHECK(completed({"check", "--format", "="}) == "text json sarif");
+  CHECK(completed({"plot", "--kind", "s"}) == "surface");
+  CHECK(completed({"run", "--speed", "1"}) == "");
+  CHECK(completed({"run", "--no-such=", "x"}) == ":files");
+  CHECK(completed({"help", "ren"}) == "render");
+  CHECK(completed({"explain", "CG010"}).rfind("CG0101", 0) == 0);
+  CHECK(completed({"completion", ""}) == "bash fish zsh");
+  CHECK(completed({"run", ""}) == ":files");
+  CHECK(completed({"run", "--output-dir", ""}) == ":folders");
+  CHECK(completed({"test", "--without", "lacking,l"}) == "lacking,limits lacking,loops");
+  CHECK_THAT(completed({}), Contains("run") && Contains("doctor"));
+  const std::string toys = COGRSIM_TOYS;
+  CHECK(completed({"run", "--plugin-path", toys, "--backend", "toy"}) == "toy toy_euler");
+  CHECK(completed({"compare", "--plugin-path", toys, "--backends", "toy,to"}) == "toy,toy_euler");
+}
+
+TEST_CASE("names of the scene at hand are completed", "[cli][table][complete]") {
   const Table table;
   const cogrsim::test::TemporaryFolder folder;
-  folder.write("cogrsim.bash", bash_completion(*table.app));
-  const auto completed = [&](const std::string& words, int word) {
-    const std::string out = folder / "out";
-    const std::string command =
-        "bash --norc -c 'cogrsim() { printf \"backend %s 1.0, by x\\n\" bullet cogrsim ode; "
-        "echo \"controller box 1.0\"; }; source " +
-        (folder / "cogrsim.bash") + " && COMP_WORDS=(cogrsim " + words +
-        ") && COMP_CWORD=" + std::to_string(word) + " && _cogrsim && echo ${COMPREPLY[*]}' > " +
-        out;
-    REQUIRE(std::system(command.c_str()) == 0);
-    std::string text = read(out);
-    text.pop_back();
-    return text;
+  folder.write("a.scene.xml", R"(<scene name="a" version="1">
+    <param name="radius" default="3 cm"/>
+    <param name="height"/>
+    <assembly name="bot">
+      <box name="hull" size="10 10 10 cm" mass="1 kg" xyz="0 0 ${height}"/>
+      <sphere name="wheel" radius="${radius}" mass="1 kg" xyz="0 0 1.2"/>
+      <hinge name="axle" parent="hull" child="wheel" axis="0 1 0"/>
+      <motor name="drive" joint="axle" mode="velocity"/>
+      <camera name="eye" on="hull"/>
+    </assembly>
+    <view name="door" xyz="1 0 1"/>
+    <plot name="path" y="bot.hull.x"/>
+    <test name="stays"><always that="time ge 0 s"/></test></scene>)");
+  folder.write("broken.scene.xml", "<scene");
+  const std::string scene = folder / "a.scene.xml", broken = folder / "broken.scene.xml";
+  const auto completed = [&](const std::vector<std::string>& words) {
+    return words_after(*table.app, words);
   };
-  CHECK(completed("comp", 1) == "compare completion");
-  CHECK(completed("compare x.scene.xml --th", 3) == "--threshold");
-  CHECK(completed("check --format s", 3) == "sarif");
-  CHECK(completed("plot --kind s", 3) == "surface");
-  CHECK(completed("run --speed 1", 3) == "");
-  CHECK(completed("help ren", 2) == "render");
-  CHECK(completed("completion b", 2) == "bash");
-  CHECK(completed("run --backend b", 3) == "bullet");
-  CHECK(completed("run -b o", 3) == "ode");
-  CHECK(completed("compare --backends \"\"", 3) == "bullet cogrsim ode");
-  CHECK(completed("compare --backends bullet,", 3) == "bullet,cogrsim bullet,ode");
-  CHECK(completed("test --backends ode,bullet,c", 3) == "ode,bullet,cogrsim");
+  const auto with_height = [&](const std::string& command, std::vector<std::string> rest) {
+    std::vector<std::string> words = {command, scene, "--set", "height=1"};
+    words.insert(words.end(), rest.begin(), rest.end());
+    return completed(words);
+  };
+  CHECK(with_height("render", {"--camera", ""}) == "bot.eye");
+  CHECK(with_height("render", {"--view", "do"}) == "door");
+  CHECK(with_height("render", {"--view", "to"}) == "top");
+  CHECK(with_height("test", {"--filter", ""}) == "stays");
+  CHECK(with_height("map", {"--trail", "bot,bot.h"}) == "bot,bot.hull");
+  CHECK(with_height("export", {"--assembly", ""}) == "bot");
+  CHECK(with_height("plot", {"--y", "bot.d"}) == "bot.drive.");
+  CHECK(completed({"render", scene, "--set", "height", "=", "1", "--camera", ""}) == "bot.eye");
+  // Parameters are known where the scene lacks a value for one; names are not.
+  CHECK(completed({"run", scene, "--set", ""}) == "radius= height=");
+  CHECK(completed({"render", scene, "--camera", ""}) == "");
+  CHECK(completed({"render", broken, "--camera", ""}) == "");
+  CHECK(completed({"render", folder / "none.scene.xml", "--camera", ""}) == "");
+}
+
+TEST_CASE("the shells show what they are told", "[cli][table][complete]") {
+  const cogrsim::test::TemporaryFolder folder;
+  folder.write("file.txt", "");
+  // In the place of the program.
+  folder.write("cogrsim",
+               "#!/bin/sh\n"
+               "echo \"$*\" >> asked\n"
+               "printf 'run\\tRun a scene: now\\nr.end\\n:files\\n'\n");
+  for (const std::string& shell : completion_shells())
+    folder.write("cogrsim." + shell, completion_script(shell));
+  folder.write("try.bash",
+               "source cogrsim.bash\nCOMP_WORDS=(cogrsim run 'a b' f)\nCOMP_CWORD=3\n_cogrsim\n"
+               "echo \"${COMPREPLY[*]}\"\n");
+  folder.write("try.zsh",
+               "compdef() { }\n_files() { print -r -- file.txt }\n"
+               "_describe() { print -r -- \"${found[@]}\" }\n"
+               "source ./cogrsim.zsh\nwords=(cogrsim run 'a\\ b' f)\nCURRENT=4\n_cogrsim\n");
+  folder.write("try.fish", "source cogrsim.fish\ncomplete -C \"cogrsim run 'a b' f\"\n");
+  const std::map<std::string, std::string> expected = {
+      {"bash", "run r.end file.txt\n"}, {"zsh", "run:Run a scene\\: now r.end\nfile.txt\n"}};
+  for (const std::string& shell : completion_shells()) {
+    INFO(shell);
+    if (std::system(("command -v " + shell + " > /dev/null").c_str()) != 0) {
+      WARN(shell << " is not installed: its completion is not tried");
+      continue;
+    }
+    const std::string in = "cd '" + (folder / ".") + "' && chmod +x cogrsim && rm -f asked && ";
+    REQUIRE(std::system((in + "PATH=.:$PATH HOME=. " + shell + " ./try." + shell + " > out").c_str()) == 0);
+    CHECK(read(folder / "asked") == "complete -- run a b f\n");
+    const std::string out = read(folder / "out");
+    if (shell == "fish")
+      CHECK_THAT(out, Contains("file.txt"));  // it shows words that begin with "f"
+    else
+      CHECK(out == expected.at(shell));
+  }
 }

@@ -349,6 +349,7 @@ const std::vector<Case>& cases() {
       {"import", {"import", "ROBOT"}, prints, nothing},
       {"export", {"export", "SCENE", "-o", "-", "--format", "mjcf"}, prints, nothing},
       {"plugins", {"plugins"}, prints, nothing},
+      {"doctor", {"doctor"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},
       {"explain", {"explain"}, prints, nothing},
       {"help", {"help", "--reference"}, prints, nothing},

@@ -10,7 +10,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "../support/environment.h"
 #include "../support/sanitizers.h"
+#include "../support/temporary_folder.h"
 #include "process.h"
 
 using Catch::Contains;
@@ -66,7 +68,7 @@ TEST_CASE("wrong usage exits with 2 and names a remedy", "[cli][program]") {
       {{}, "Usage"},
       {{"rum", kFlight}, "did you mean 'run'"},
       {{"help", "rum"}, "did you mean 'run'"},
-      {{"completion", "fish"}, "bash"},
+      {{"completion", "tcsh"}, "bash"},
       {{"run"}, "scene is required"},
       {{"run", kFlight, "--frob"}, "--frob"},
       {{"run", kFlight, "--duratoin", "1"}, "did you mean '--duration'?"},
@@ -519,4 +521,31 @@ TEST_CASE("a global --plugin-path may stand before the subcommand", "[cli][progr
   const Outcome outcome = cogrsim_run({"--plugin-path", COGRSIM_TOYS, "plugins"});
   CHECK(outcome.status == 0);
   CHECK_THAT(outcome.out, Contains("backend toy"));
+}
+
+TEST_CASE("the doctor names what is missing and what is broken, with the cure", "[cli][program]") {
+  const auto finding = [](const json& findings, const std::string& name) -> json {
+    for (const json& each : findings["findings"])
+      if (each["name"] == name) return each;
+    return nullptr;
+  };
+  const json well = json_of(with_toys({"doctor", "--json"}));
+  CHECK(finding(well, "toy")["state"] == "good");
+  for (const json& each : well["findings"]) {
+    INFO(each.dump());
+    CHECK((each["state"] == "good" || each["state"] == "missing"));
+    CHECK((each["state"] == "good" || each["remedy"].is_string()));
+  }
+  // Programs that are not there are no fault; what is there and cannot be loaded is one.
+  const cogrsim::test::TemporaryFolder folder;
+  const cogrsim::test::EnvironmentVariable path("PATH", folder / ".");
+  const Outcome without = cogrsim_run({"doctor", "--json"});
+  CHECK(without.status == 0);
+  CHECK(finding(json_of(without), "gnuplot")["state"] == "missing");
+  CHECK_THAT(finding(json_of(without), "gnuplot")["remedy"].get<std::string>(),
+             Contains("apt install gnuplot-nox"));
+  folder.write("torn.so", "not a library");
+  const Outcome torn = cogrsim_run({"doctor", "--plugin-path", folder / "."});
+  CHECK(torn.status == 1);
+  CHECK_THAT(torn.out, Contains("broken") && Contains("torn") && Contains("1 broken"));
 }

@@ -78,10 +78,15 @@ foreach(backend IN LISTS ENGINES)
   endif()
 endforeach()
 
-foreach(file man/man1/cogrsim.1 bash-completion/completions/cogrsim)
+file(READ "${prefix}/share/man/man1/cogrsim.1" text)
+if(NOT text MATCHES "compare")
+  message(SEND_ERROR "share/man/man1/cogrsim.1 does not know 'cogrsim compare'")
+endif()
+foreach(file bash-completion/completions/cogrsim zsh/vendor-completions/_cogrsim
+    fish/vendor_completions.d/cogrsim.fish)
   file(READ "${prefix}/share/${file}" text)
-  if(NOT text MATCHES "compare")
-    message(SEND_ERROR "share/${file} does not know 'cogrsim compare'")
+  if(NOT text MATCHES "complete --")
+    message(SEND_ERROR "share/${file} does not ask 'cogrsim complete'")
   endif()
 endforeach()
 

@@ -15,6 +15,7 @@
 #include "cogrsim/physics/backend_choice.h"
 #include "common/arguments.h"
 #include "common/command_pages.h"
+#include "common/complete.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/quantities.h"
@@ -521,6 +522,26 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
     options.plugin_paths = plugin_paths_from(arguments);
     status = plugins_command(options);
   });
+
+  CLI::App& doctor = *app.add_subcommand(
+      "doctor", "Say what is missing on this machine, or does not work, and how to get it");
+  doctor.add_flag("--json", arguments.json_flag, "As JSON");
+  add_plugin_path(doctor, arguments.plugin_paths);
+  doctor.footer(
+      "Examples:\n"
+      "  cogrsim doctor\n"
+      "  cogrsim doctor --json | jq -r '.findings[] | select(.state != \"good\").remedy'\n"
+      "Exit status: 0 nothing that is there is broken, 1 something is, or there is no engine.");
+  doctor.callback([&] {
+    DoctorOptions options;
+    options.json = arguments.json_flag;
+    const auto commands = commands_of(app);
+    options.has_studio = std::any_of(commands.begin(), commands.end(), [](const CLI::App* command) {
+      return command->get_name() == "studio";
+    });
+    options.plugin_paths = plugin_paths_from(arguments);
+    status = doctor_command(options);
+  });
 }
 
 Problem unknown_subcommand(const CLI::App& app, const std::string& argument) {
@@ -576,18 +597,22 @@ void add_table_pages(CLI::App& app, Arguments& arguments, int& status) {
       *app.add_subcommand("completion", "Print a script that completes command lines in a shell");
   completion.add_option("shell", arguments.shell, "The shell")
       ->required()
-      ->check(CLI::IsMember({"bash"}))
+      ->check(CLI::IsMember(completion_shells()))
       ->type_name("SHELL");
   completion.footer(
       "Examples:\n"
       "  source <(cogrsim completion bash)\n"
-      "  cogrsim completion bash > ~/.local/share/bash-completion/completions/cogrsim");
-  completion.callback([&app, print] { print(bash_completion(app)); });
+      "  cogrsim completion bash > ~/.local/share/bash-completion/completions/cogrsim\n"
+      "  cogrsim completion zsh > ~/.zfunc/_cogrsim      in a folder of $fpath\n"
+      "  cogrsim completion fish > ~/.config/fish/completions/cogrsim.fish\n"
+      "Packages install all three. Cameras, views, tests, plots, bodies and parameters are those of the scene "
+      "or recording on the line.");
+  completion.callback([&arguments, print] { print(completion_script(arguments.shell)); });
 }
 
 // Of commands that write files.
 void add_output_rules(CLI::App& command) {
-  for (const char* none : {"check", "explain", "schema", "plugins", "list", "pull", "new",
+  for (const char* none : {"check", "explain", "schema", "plugins", "doctor", "list", "pull", "new",
                            "test-case", "run-case", "help", "completion"}) {
     if (command.get_name() == none) return;
   }
@@ -684,6 +709,13 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return kWrongUsage;
+  }
+  // Asked by the scripts of `cogrsim completion`, about any words: they are not parsed.
+  if (std::string(argv[1]) == "complete") {
+    std::vector<std::string> words(argv + 2, argv + argc);
+    if (!words.empty() && words.front() == "--") words.erase(words.begin());
+    const auto printed = print_output(to_text(complete(app, words)));
+    return printed ? kGood : refuse(printed.error());
   }
   try {
     app.parse(argc, argv);

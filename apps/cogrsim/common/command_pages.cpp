@@ -9,18 +9,12 @@
 #include <CLI/CLI.hpp>
 
 namespace cogrsim::cli {
-namespace {
-
-using Commands = std::vector<const CLI::App*>;
-using Options = std::vector<const CLI::Option*>;
-
-// Those that people call.
-Commands commands_of(const CLI::App& table) {
+std::vector<const CLI::App*> commands_of(const CLI::App& table) {
   return table.get_subcommands(
       [](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
-Options options_of(const CLI::App& command, bool positional) {
+std::vector<const CLI::Option*> options_of(const CLI::App& command, bool positional) {
   return command.get_options([&](const CLI::Option* option) {
     return option->get_positional() == positional && option->nonpositional() != positional &&
            !option->check_lname("help") && !option->get_group().empty();
@@ -66,6 +60,8 @@ std::string description_of(const CLI::Option& option) {
   if (!option.get_envname().empty()) text += "; else the environment's " + option.get_envname();
   return text;
 }
+
+namespace {
 
 std::string synopsis_of(const CLI::App& command) {
   std::string text = "cogrsim " + command.get_name();
@@ -176,31 +172,6 @@ std::string roff_sections(const Footer& footer) {
   return out;
 }
 
-// ---- bash
-
-std::string quoted_list(const std::vector<std::string>& words) {
-  return fmt::format("'{}'", fmt::join(words, " "));
-}
-
-// The call that completes a value of this option; empty: nothing is known of it.
-std::string generator(const CLI::Option& option) {
-  if (const auto choices = choices_of(option); !choices.empty()) {
-    return "_cogrsim_add -W " + quoted_list(choices);
-  }
-  const std::vector<std::string> names = names_of(option);
-  const auto is = [&](const char* name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
-  if (is("--backend")) return "_cogrsim_backends one";
-  if (is("--backends")) return "_cogrsim_backends list";
-  const std::string type = type_of(option);
-  if (type == "DIR") return "_cogrsim_add -d";
-  for (const char* file : {"FILE", "SCENE", "RUN", "DIR", "."}) {
-    if (type.find(file) != std::string::npos) return "_cogrsim_add -f";
-  }
-  return {};
-}
-
 }  // namespace
 
 std::string reference_page(const CLI::App& table) {
@@ -208,9 +179,8 @@ std::string reference_page(const CLI::App& table) {
       "# The command line\n\n"
       "<!-- Made by `cogrsim help --reference`. -->\n\n" +
       table.get_description() +
-      "\nThe same is in `cogrsim COMMAND --help` and in `man cogrsim`; `source <(cogrsim "
-      "completion "
-      "bash)` completes commands,\noptions and their values in bash. Outputs, exit status and what "
+      "\nThe same is in `cogrsim COMMAND --help` and in `man cogrsim`. Commands, options, their values and "
+      "the\nnames of the scene at hand are completed in bash, zsh and fish: see [completion](#cogrsim-completion). Outputs, exit status and what "
       "they mean: [the command line's README](../../apps/cogrsim/README.md).\n\n"
       "| command | |\n|---|---|\n";
   for (const CLI::App* command : commands_of(table)) {
@@ -241,69 +211,6 @@ std::string man_page(const CLI::App& table) {
                        roff_sections(footer_of(*command)));
   }
   return out;
-}
-
-std::string bash_completion(const CLI::App& table) {
-  std::vector<std::string> commands;
-  std::string values, words;
-  const auto add = [&](const CLI::App& command, const std::string& name) {
-    std::vector<std::string> options;
-    for (const CLI::Option* option : options_of(command, false)) {
-      const std::vector<std::string> names = names_of(*option);
-      options.insert(options.end(), names.begin(), names.end());
-      if (option->get_expected_max() == 0) continue;
-      std::vector<std::string> patterns;
-      for (const std::string& each : names) patterns.push_back(name + ":" + each);
-      const std::string known = generator(*option);
-      values += fmt::format("    {}) {}return ;;\n", fmt::join(patterns, "|"),
-                            known.empty() ? "" : known + "; ");
-    }
-    options.push_back("--help");
-    words += fmt::format("    {}:-*) _cogrsim_add -W {} ;;\n", name, quoted_list(options));
-    std::string arguments;
-    for (const CLI::Option* option : options_of(command, true)) {
-      const std::string known =
-          option->get_name() == "command" ? "_cogrsim_add -W \"$commands\"" : generator(*option);
-      if (!known.empty()) arguments += known + "; ";
-    }
-    if (!arguments.empty()) words += fmt::format("    {}:*) {};;\n", name, arguments);
-  };
-  add(table, "");
-  for (const CLI::App* command : commands_of(table)) {
-    commands.push_back(command->get_name());
-    add(*command, command->get_name());
-  }
-  return fmt::format(
-      "# bash completion of cogrsim, made by `cogrsim completion bash`.\n"
-      "_cogrsim_add() {{\n"
-      "  local line\n"
-      "  while IFS= read -r line; do COMPREPLY+=(\"$line\"); done "
-      "< <(compgen \"$@\" -- \"$word\")\n"
-      "}}\n"
-      "# Those that are there now; of a list with commas the last one is completed.\n"
-      "_cogrsim_backends() {{\n"
-      "  local start= name all=\n"
-      "  [[ $1 == list && $word == *,* ]] && start=${{word%,*}},\n"
-      "  for name in $(\"${{COMP_WORDS[0]}}\" plugins 2>/dev/null | sed -n 's/^backend \\([^ ]*\\) "
-      ".*/\\1/p'); do\n"
-      "    [[ ,$start == *,$name,* ]] || all+=\" $start$name\"\n"
-      "  done\n"
-      "  _cogrsim_add -W \"$all\"\n"
-      "}}\n"
-      "_cogrsim() {{\n"
-      "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command= i\n"
-      "  local commands={0}\n"
-      "  COMPREPLY=()\n"
-      "  for ((i = 1; i < COMP_CWORD; i++)); do\n"
-      "    case \" $commands \" in *\" ${{COMP_WORDS[i]}} \"*) command=${{COMP_WORDS[i]}}; break "
-      ";; "
-      "esac\n"
-      "  done\n"
-      "  case $command:$before in\n{1}  esac\n"
-      "  case $command:$word in\n{2}    :*) _cogrsim_add -W \"$commands\" ;;\n  esac\n"
-      "}}\n"
-      "complete -o filenames -F _cogrsim cogrsim\n",
-      quoted_list(commands), values, words);
 }
 
 }  // namespace cogrsim::cli

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace cogrsim::cli {
@@ -13,7 +15,17 @@ namespace cogrsim::cli {
 std::string reference_page(const CLI::App& table);
 /// cogrsim(1), in roff.
 std::string man_page(const CLI::App& table);
-/// A script to be sourced by bash.
-std::string bash_completion(const CLI::App& table);
+
+/// The commands that people call.
+std::vector<const CLI::App*> commands_of(const CLI::App& table);
+/// Options of a command, or its positional arguments, without --help.
+std::vector<const CLI::Option*> options_of(const CLI::App& command, bool positional);
+/// What an option takes, as its help says: "FILE|-"; empty: nothing.
+std::string type_of(const CLI::Option& option);
+/// The values it may have, if they are few.
+std::vector<std::string> choices_of(const CLI::Option& option);
+/// "-b", "--backend".
+std::vector<std::string> names_of(const CLI::Option& option);
+std::string description_of(const CLI::Option& option);
 
 }  // namespace cogrsim::cli

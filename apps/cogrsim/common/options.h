@@ -93,6 +93,12 @@ struct PluginsOptions {
   std::vector<std::string> plugin_paths;
 };
 
+struct DoctorOptions {
+  bool json = false;
+  bool has_studio = false;  ///< this program has the command
+  std::vector<std::string> plugin_paths;
+};
+
 /// Frames for the subcommands that draw.
 struct FrameSourceOptions {
   SceneOptions source;  ///< a scene or a recording (.mcap)
@@ -133,6 +139,8 @@ int plot_command(const PlotCommandOptions& options);
 int plot_table(const PlotCommandOptions& options);  ///< its part for the tables of studies
 int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
+/// Status 1: something that is there does not work, or there is no engine.
+int doctor_command(const DoctorOptions& options);
 int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths);
 int plugins_command(const PluginsOptions& options);
 
