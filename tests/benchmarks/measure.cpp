@@ -135,6 +135,7 @@ std::vector<Engine> find_engines(const std::string& folder) {
   add("raw-bullet", {"cogrsim_raw_bullet"}, "libbullet-dev", "");
   add("raw-simbody", {"cogrsim_raw_simbody"}, "libsimbody-dev", "");
   add("raw-ode", {"cogrsim_raw_ode"}, "libode-dev", "");
+  add("raw-dart", {"cogrsim_raw_dart"}, "libdart-dev", "");
   // Ours: what can be loaded.
   std::vector<std::string> backends;
   {
