@@ -80,6 +80,30 @@ TEST_CASE("limit: a speed source pushes against it with its bound", "[limits]") 
   }
 }
 
+TEST_CASE("limit: light fingers held at their stops", "[limits]") {
+  // Of 2 mg, as in models of public robots: motor and stop are two rows of a solver for one speed.
+  ModelBuilder builder;
+  const int palm =
+      builder.body("palm", 0.2, Mat3(Vec3(7e-5, 1.4e-4, 1.3e-4).asDiagonal()), at(0, 0, 1));
+  constexpr int kFingers = 8;
+  for (int i = 0; i < kFingers; ++i) {
+    const Vec3 place(0.06 + 0.01 * i, 0.01 * i, 0.99);
+    const int finger = builder.body("finger" + std::to_string(i), 2e-6, 1.1e-9 * Mat3::Identity(),
+                                    {place + Vec3(0.001, 0.002, 0.001), Quat(1, 0, 0, 0)});
+    const int hinge = builder.joint("hinge" + std::to_string(i), JointType::hinge, palm, finger,
+                                    {place, z_to(Vec3::UnitX())});
+    builder.model.joints[hinge].axes.resize(1);
+    builder.model.joints[hinge].axes[0].lower = 0.0;
+    builder.model.joints[hinge].axes[0].upper = 1.0;
+    builder.motor("motor" + std::to_string(i), hinge, MotorMode::velocity);
+  }
+  Sim sim(builder);
+  for (int i = 0; i < kFingers; ++i) sim.drive(i) = speed_source(0.0, 0.3);
+  sim.run(0.2);
+  for (int i = 0; i < kFingers; ++i)
+    measure("place against the stop [rad]", std::abs(sim.q(i)), 2e-3);
+}
+
 TEST_CASE("limit: hinge beyond one turn", "[limits]") {
   // The coordinate is not wrapped: a limit at two and a half turns is one.
   AxisRig rig(kind_of(JointType::hinge, 0));

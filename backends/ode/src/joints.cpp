@@ -19,6 +19,12 @@ constexpr double kFits = 1e-9;  // [m], [rad]
 // With limits nearer to each other than this an angle says which of them it is beyond [rad].
 constexpr double kNarrow = 6.0;
 
+// A stop and a motor at once are two rows for one speed, which Dantzig's method tells apart by their
+// CFM alone. Over the step it must be well above the rounding of the speed's mobility, 2e-16 of it,
+// or a pivot is zero and ODE ends in an assertion: at 1 ms ODE's 1e-10 is too little for axes
+// lighter than 1e-6 kg m^2 (NAO's hands: 1e-9 kg m^2).
+constexpr double kSingular = 1e-12;
+
 Vec3 cleaned(Vec3 direction) {
   for (int i = 0; i < 3; ++i) {
     if (std::abs(direction[i]) < kRounding) direction[i] = 0.0;
@@ -258,10 +264,13 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
       spring.speed = i;
       spring.spring = true;
     }
+    for (Law& law : laws_)
+      if (law.speed == i) law.least = kSingular * model.physics.step * mobility(i);
   }
 }
 
 void JointLink::set(Law& law, double velocity, double bound, double cfm) const {
+  cfm = std::max(cfm, law.least);
   const std::array<double, 3> motor = {velocity, bound, cfm};
   if (motor == law.motor) return;
   law.motor = motor;
@@ -354,22 +363,25 @@ void JointLink::drive(double h, const std::vector<Drive>& drives,
   }
 }
 
+double JointLink::mobility(int speed) const {
+  const Vec3 d = direction(speed, parent_.pose() * joint_->X_PF, child_.pose() * joint_->X_CM);
+  double out = 0.0;
+  for (const JointEnd* end : {&parent_, &child_}) {
+    if (!end->id() || dBodyIsKinematic(end->id()) != 0) continue;
+    dMass mass;
+    dBodyGetMass(end->id(), &mass);
+    const Vec3 local = end->pose().q.conjugate() * d;
+    const Mat3 I =
+        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mass.I).leftCols<3>();
+    out += turns(speed) ? local.dot(I.inverse() * local) : 1.0 / mass.mass;
+  }
+  return out;
+}
+
 std::vector<double> JointLink::rotor_ratios() const {
   std::vector<double> out(std::size_t(speed_count(joint_->type)), 0.0);
-  const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
-  for (const Law& law : laws_) {
-    const Vec3 d = direction(law.speed, X_WF, X_WM);
-    for (const JointEnd* end : {&parent_, &child_}) {
-      if (!law.rotor || !end->id() || dBodyIsKinematic(end->id()) != 0) continue;
-      dMass mass;
-      dBodyGetMass(end->id(), &mass);
-      const Vec3 local = end->pose().q.conjugate() * d;
-      const Mat3 I =
-          Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mass.I).leftCols<3>();
-      out[law.speed] += axis_of(*joint_, law.speed).rotor_inertia *
-                        (turns(law.speed) ? local.dot(I.inverse() * local) : 1.0 / mass.mass);
-    }
-  }
+  for (const Law& law : laws_)
+    if (law.rotor) out[law.speed] = axis_of(*joint_, law.speed).rotor_inertia * mobility(law.speed);
   return out;
 }
 

@@ -46,6 +46,8 @@ class JointLink {
              double* q);
   /// By axis: the rotor's inertia over that of the two bodies alone.
   std::vector<double> rotor_ratios() const;
+  /// Of the two bodies alone along a speed [1/(kg m^2)], [1/kg].
+  double mobility(int speed) const;
   /// Brings the coordinates up to date; turns are counted from what `q` was.
   void update(double* q) const;
   void velocities(const double* q, double* u) const;
@@ -65,6 +67,7 @@ class JointLink {
     dJointFeedback feedback{};
     std::array<double, 3> motor{};  ///< as ODE has it: speed, bound (0: none), cfm
     double applied = 0.0;           ///< what is added as a force
+    double least = 0.0;             ///< cfm
   };
 
   void make(dWorldID world, const Pose& X_WF, const Pose& X_WM);

@@ -279,4 +279,8 @@ double support_extent(const Collider& c, const Vec3& direction) {
   return c.core.extent(c.X_WS.R.transpose() * direction);
 }
 
+Vec3 support_point(const Collider& c, const Vec3& direction) {
+  return c.X_WS * c.core.support(c.X_WS.R.transpose() * direction) + c.core.margin * direction;
+}
+
 }  // namespace cogrsim::dynamics

@@ -58,12 +58,18 @@ std::vector<Collider> make_colliders(const SceneModel& model);
 void support_feature(const Collider& collider, const Vec3& direction, Feature& out);
 
 /// Calls use(normal) for the outward normals (world, unit) of the flat faces that may look towards the point
-/// `other` (world).
+/// `other` (world), but for a hull's over which the point `near` (world) is lower than `least` [m].
 template <class Use>
-void for_face_normals(const Collider& c, const Vec3& other, const Use& use) {
+void for_face_normals(const Collider& c, const Vec3& other, const Vec3& near, double least,
+                      const Use& use) {
   const Mat3& R = c.X_WS.R;
   if (c.type == ShapeType::convex_mesh) {
-    for (const Vec3& n : c.hull->normals) use(Vec3(R * n));
+    const Vec3 local = R.transpose() * (near - c.X_WS.p);
+    for (std::size_t f = 0; f < c.hull->normals.size(); ++f) {
+      const Vec3 &n = c.hull->normals[f],
+                 &on = c.hull->vertices[std::size_t(c.hull->corners[f][0])];
+      if (n.dot(local - on) >= least) use(Vec3(R * n));
+    }
   } else if (c.type == ShapeType::box || c.type == ShapeType::cylinder) {
     for (int k = c.type == ShapeType::box ? 0 : 2; k < 3; ++k)
       use(R.col(k).dot(other - c.X_WS.p) > 0.0 ? Vec3(R.col(k)) : Vec3(-R.col(k)));
@@ -76,5 +82,7 @@ bool face_normal(const Collider& collider, const Vec3& direction, Vec3& normal);
 
 /// Farthest extent of a convex shape along a world direction beyond its origin [m].
 double support_extent(const Collider& collider, const Vec3& direction);
+/// A point of a convex shape that is as far along a world direction (unit) as any, world.
+Vec3 support_point(const Collider& collider, const Vec3& direction);
 
 }  // namespace cogrsim::dynamics

@@ -126,8 +126,11 @@ Separation flush_separation(const Collider& a, const Collider& b, double margin,
     best.normal = n;
     best.gap = gap;
   };
-  for_face_normals(a, b.X_WS.p, consider);
-  for_face_normals(b, a.X_WS.p, [&](const Vec3& n) { consider(-n); });
+  // The gap along a face's normal is no more than the height over it of any point of the other shape.
+  constexpr double kLeast = -kFlush - 1e-9;
+  for_face_normals(a, b.X_WS.p, support_point(b, -found.normal), kLeast, consider);
+  for_face_normals(b, a.X_WS.p, support_point(a, found.normal), kLeast,
+                   [&](const Vec3& n) { consider(-n); });
   return best;
 }
 
