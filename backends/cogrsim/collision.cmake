@@ -11,6 +11,7 @@ find_library(COGRSIM_BULLET_MATH LinearMath-float64 REQUIRED)
 set(source ${CMAKE_CURRENT_LIST_DIR}/src)
 add_library(cogrsim_collision STATIC
   ${source}/collision/colliders.cpp
+  ${source}/collision/compliant_contact.cpp
   ${source}/collision/concave.cpp
   ${source}/collision/contact_rates.cpp
   ${source}/collision/detector.cpp

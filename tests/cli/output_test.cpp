@@ -268,6 +268,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "CAMERA|VIEW",
                                           "LIST",
                                           "LIST|lacking",
+                                          "LANGUAGE",
                                           "SIZE",
                                           "1..5|1,3",
                                           "text|json",

@@ -60,6 +60,24 @@ void spring(const AxisKind& kind) {
           1e-2);
 }
 
+// A damper that stops the axis within a fiftieth of a step, and gives way to a load at load / damping.
+void stiff_damping(const AxisKind& kind) {
+  AxisRig rig(kind);
+  const double u0 = 1.0, c = 50.0 * rig.inertia / kDt;
+  rig.axis().damping = c;
+  rig.start_speed(u0);
+  const int motor = kind.type == JointType::ball ? -1 : rig.motor(MotorMode::torque);
+  Sim sim(rig.builder);
+  sim.run(0.1);
+  // A step at the whole speed is what the end of the first step comes too late for, at most.
+  measure("way after stiff damping, in steps", std::abs(rig.q(sim)) / (u0 * kDt), 1.0);
+  measure("speed after stiff damping", std::abs(rig.u(sim)), 1e-6);
+  if (motor < 0) return;
+  sim.drive(motor) = constant_effort(0.1 * c);
+  sim.run(0.1);
+  measure_relative("speed under a load", rig.u(sim), 0.1, 1e-3);
+}
+
 // u = u0 exp(-c t / I).
 void damping(const AxisKind& kind) {
   AxisRig rig(kind);
@@ -76,6 +94,7 @@ void damping(const AxisKind& kind) {
   // Euler's speed errs by (rate t) exp(-rate t) rate dt / 2 < 0.37 rate dt / 2.
   measure("speed error over u0", speed.error / u0, 0.5 * rate * kDt);
   measure_relative("way", rig.q(sim), u0 / rate * (1.0 - std::exp(-rate * t)), 5e-3);
+  stiff_damping(kind);
 }
 
 // Slows down at f / I, then stands still.

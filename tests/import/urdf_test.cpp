@@ -305,6 +305,12 @@ TEST_CASE("an inertia that is zero is taken from the shapes", "[urdf]") {
   const double moment = 32.0 / 9.0 * 8.0 / 12.0 + 4.0 / 9.0 * 0.4 * ball * ball;
   CHECK((a.inertia - moment * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-5);
   CHECK(in.reports(kApproximate, "inertia of link 'a'", "is zero: taken as its shapes'"));
+  // So is what a program's rounding left of zero.
+  in.read(R"(<robot name="r"><link name="a"><inertial><mass value="6"/>
+      <inertia ixx="-5e-20" iyy="2e-21" izz="0" ixy="0" ixz="1e-35" iyz="0"/></inertial>
+    <collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>)");
+  REQUIRE(in.model);
+  CHECK((in.body("a").inertia - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-12);
   // What is only seen counts where nothing is touched; a mesh as its box.
   in.folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
   in.read(R"(<robot name="r"><link name="a"><inertial><mass value="12"/></inertial>
@@ -317,6 +323,17 @@ TEST_CASE("an inertia that is zero is taken from the shapes", "[urdf]") {
   REQUIRE(in.model);
   CHECK(in.body("a").inertia.maxCoeff() < 1e-9);
   CHECK(in.reports(kApproximate, "inertia of link 'a'", "the nearest possible ones"));
+  // Between joints that move it is a ball of 1 cm.
+  in.read(R"(<robot name="r"><link name="base"/>
+    <link name="a"><inertial><mass value="2"/></inertial></link>
+    <link name="b"><inertial><mass value="1"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="j" type="continuous"><parent link="base"/><child link="a"/></joint>
+    <joint name="k" type="continuous"><axis xyz="0 1 0"/><parent link="a"/><child link="b"/>
+    </joint></robot>)");
+  REQUIRE(in.model);
+  CHECK((in.body("a").inertia - 8e-5 * Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-15);
+  CHECK(in.reports(kApproximate, "inertia of link 'a'", "a ball's of 1 cm"));
 }
 
 TEST_CASE("a mesh that moves is decomposed if that is asked", "[urdf][mesh]") {

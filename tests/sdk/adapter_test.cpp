@@ -61,7 +61,7 @@ StepResult failed_step(const Rascals& rascals) {
     result = (*world)->step(0.01, {});
   }
   CHECK(result.status == StepStatus::fault);
-  // The world stays readable where it was, fails again, and can begin anew.
+  // The world stays readable where it was, fails again, and can be rebuilt.
   WorldState state;
   (*world)->get_state(state);
   CHECK(state.poses.size() == 2);
@@ -154,7 +154,7 @@ TEST_CASE("a snapshot goes on in another process of its backend", "[adapter]") {
   CHECK(state.poses[0].p == Vec3(0.5, 1, 1.5));
 }
 
-TEST_CASE("a failure of an adapter is named, and its world can begin anew", "[adapter]") {
+TEST_CASE("a failure of an adapter is named, and its world can be rebuilt", "[adapter]") {
   const auto [fault, says] = GENERATE(table<std::string, std::string>(
       {{"step crash", "backend 'rascal' crashed (SIGSEGV) in a step"},
        {"step exit", "ended its process (exit code 7) in a step; it had written:\ngoodbye"},

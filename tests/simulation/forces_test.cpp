@@ -178,3 +178,27 @@ TEST_CASE("a floating box oscillates about its draught", "[forces]") {
                            .margin(0.6 * kOut * frequency * simulation->dt()));
   CHECK(std::hypot(p.x(), p.y()) < 1e-9);
 }
+
+TEST_CASE("a force over time is of the order of the engine", "[forces]") {
+  const auto error = [](double step) {
+    ModelBuilder b("driven");
+    b.model.physics.gravity.setZero();
+    b.model.physics.step = step;
+    b.sphere("ball", kRadius, kMass, Pose());
+    ForceModel force;
+    force.name = "sine";
+    force.kind = ForceModel::Kind::force;
+    force.body = 0;
+    force.force = Vec3(kMass, 0, 0);
+    force.factor = "sin(20 * time / 1 s)";
+    b.model.forces.push_back(force);
+    auto simulation = simulate(b.build(), "cogrsim");
+    simulation->run_until(0.2);
+    const double right = (1.0 - std::cos(20.0 * simulation->time())) / 20.0;
+    return std::abs(twist(*simulation).linear.x() - right);
+  };
+  // Taken in the middle of each step: h^2 / 24 f' is left, a quarter with half the step.
+  const double coarse = error(4e-3), fine = error(2e-3);
+  CHECK(coarse < 1e-4);
+  CHECK(coarse / fine == Approx(4.0).epsilon(0.05));
+}

@@ -58,8 +58,8 @@ Capabilities make_capabilities() {
     out.set(std::string(feature) + "gimbal", Support::unsupported,
             "three hinges with light bodies between them do the same");
   }
-  out.set_all({"joint.damping.ball", "joint.friction.ball", "joint.stiffness.ball"},
-              Support::unsupported, "btPoint2PointConstraint has neither motor nor spring");
+  out.set_all({"joint.friction.ball", "joint.stiffness.ball"}, Support::unsupported,
+              "Bullet's motors and springs bound and measure each of three angles by itself");
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist separately, not the whole angle of turning");
   out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",

@@ -16,11 +16,8 @@ namespace cogrsim::bullet {
 namespace {
 
 void enable(btGeneric6DofConstraint& constraint, int dof, bool on) {
-  if (dof < 3) {
-    constraint.getTranslationalLimitMotor()->m_enableMotor[dof] = on;
-  } else {
-    constraint.getRotationalLimitMotor(dof - 3)->m_enableMotor = on;
-  }
+  (dof < 3 ? constraint.getTranslationalLimitMotor()->m_enableMotor[dof]
+           : constraint.getRotationalLimitMotor(dof - 3)->m_enableMotor) = on;
 }
 
 constexpr double kUnbounded = 1e30;  // Bullet adds to and multiplies its bounds
@@ -92,7 +89,7 @@ void ConstraintJoint::make_axes(const Joint& joint) {
     axis.on_child = on_child;
     axis.angular = angular;
     axis.dof = dof;
-    if (axes_.size() < joint.axes.size()) axis.law = joint.axes[axes_.size()];
+    if (!joint.axes.empty()) axis.law = joint.axes[std::min(axes_.size(), joint.axes.size() - 1)];
     const double start = axes_.size() < joint.position.size() ? joint.position[axes_.size()] : 0.0;
     axis.wide = angular && axis.law.has_limit() && is_wide(axis.law, start);
     axes_.push_back(axis);
@@ -105,13 +102,14 @@ void ConstraintJoint::make_axes(const Joint& joint) {
   if (is(T::planar)) add(1, false, 1);
   if (is(T::hinge) || is(T::cylindrical) || is(T::planar)) add(2, true, 5);
   if (is(T::slider) || is(T::cylindrical)) add(2, false, 2);
+  for (int i = 0; is(T::ball) && i < 3; ++i) add(i, true, 3 + i);
 }
 
 void ConstraintJoint::make_rows(const SceneModel& model) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
-    // The main constraint's motor. A stop would share its row, and its bound.
-    bool taken = axis.law.has_limit();
+    // The main constraint's motor, if it has one. A stop would share its row, and its bound.
+    bool taken = axis.law.has_limit() || type_ == JointType::ball;
     const auto add = [&](Kind kind, int motor) {
       Row row;
       row.kind = kind;
@@ -316,6 +314,12 @@ void ConstraintJoint::apply_rotor(Axis& axis, const btVector3& along, double dt,
   drive(axis, row, dt, held / gain, softness_ + 1.0 / (dt * gain * inverse_mass(axis, along)));
 }
 
+/// Bullet's angles are those of Euler: only where they are zero do its axes not depend on them.
+void ConstraintJoint::align_extras() {
+  const btTransform X_BA = b_.getWorldTransform().inverse() * a_.getWorldTransform();
+  for (const auto& extra : extras_) extra->constraint->setFrames(frame_a_, X_BA * frame_a_);
+}
+
 void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
   explicit_.force += force;
   explicit_.torque += torque;
@@ -330,6 +334,7 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const d
                             const std::function<const double*()>& position) {
   const double* q = nullptr;
   explicit_ = {};
+  if (type_ == JointType::ball) align_extras();
   stiff_ = efforts ? kSoft : kStiff;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];

@@ -34,6 +34,8 @@ struct Load {
 /// without a bound and as soft as that its effort is I (u - u+) / dt. Stiff laws of the same axis,
 /// unless they may be at their bounds, are added to it: effort = sum K (v - u+) is one row.
 ///
+/// A ball's axes are those of F on the parent, each a motor of its own.
+///
 /// Bullet's angles end at half a turn. Limits that are wider get their angles before each step from
 /// the joint's coordinate, in which turns are counted.
 class ConstraintJoint {
@@ -102,6 +104,7 @@ class ConstraintJoint {
   void apply_law(const Axis& axis, const btVector3& along, Row& row, const Drive& law, double dt,
                  double q, double u);
   void apply_rotor(Axis& axis, const btVector3& along, double dt, double u);
+  void align_extras();
   void push(const btVector3& force, const btVector3& torque);
 
   btVector3 direction(const Axis& axis, const btTransform& X_A, const btTransform& X_B) const;

@@ -74,6 +74,10 @@ ParameterTable make_options() {
       parameter("tolerance", 1e-7, "m/s",
                 "the contact solver stops when no velocity changes by more")
           .range(0.0, 1.0),
+      parameter(
+          "sleep", false,
+          "what has been at rest for 0.5 s is not computed until contact, a motor, a force or a "
+          "change of the scene wakes it"),
       parameter("threads", 1,
                 "that detect and solve contacts; the results do not depend on how many there are")
           .range(1, 256),
@@ -90,6 +94,7 @@ Result<StepperOptions> read_options(const SceneModel& model, const ParameterTabl
   out.solver.iterations = int(std::get<std::int64_t>(p.at("iterations")));
   out.solver.tolerance = std::get<double>(p.at("tolerance"));
   out.solver.bounce_threshold = model.physics.bounce_threshold;
+  out.sleep = std::get<bool>(p.at("sleep"));
   out.threads = int(std::get<std::int64_t>(p.at("threads")));
   return out;
 }

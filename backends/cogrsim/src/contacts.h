@@ -25,6 +25,12 @@ struct WarmContact {
   Vec3 position_impulse = Vec3::Zero();  ///< multipliers of the position stage, likewise [N s^2]
 };
 
+/// The order of the colliders, of contacts and records.
+template <class T>
+bool by_pair(const T& a, const T& b) {
+  return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
+}
+
 /// What a step made of a contact point.
 struct ContactOutcome {
   bool has_rows = false;

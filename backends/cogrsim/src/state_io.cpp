@@ -109,7 +109,7 @@ Result<> DynamicsWorld::set_state(const WorldState& state) {
     m.state.change_u() = u;
     return fail(message_of(e));
   }
-  engine_->stepper.memory.clear();
+  engine_->stepper.forget();
   progress_.reactions_kept = false;
   return {};
 }
@@ -240,6 +240,7 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
   copy_entries(was.impulses.motors, 0, int(old_model.motors.size()), stepper.impulses.motors);
   stepper.records = was.records;
   stepper.memory = was.memory;
+  stepper.memory.contacts = was.sleep.all_contacts(was.memory);
   stepper.memory.udot = udot;
   stepper.memory.mean_udot.resize(0);
   if (!carry_udot) stepper.memory.had_rows = false;

@@ -10,9 +10,11 @@ namespace {
 // are only just not stiff (kExplicitLimit in drives.cpp) reach 0.03.
 constexpr double kDoubt = 0.05;
 
-// A step in which an impact meets a mechanism of which a link turns by more [rad], or contact adds more to its energy, as a
-// part of it, is halved, so many times at most: its forces are those of the speeds before.
-constexpr double kWhip = 0.1, kGain = 1e-3;
+// A step after which a mechanism has more energy than before and than what acts on it gave, by more than this part of it, is
+// taken again in halves, so many times at most: forces were those of the speeds before. Where a link turns
+// by more than kWhip in the step [rad], also one in which an impact meets it; below kTurns none is.
+constexpr double kTurns = 0.01, kGain = 1e-2;
+constexpr double kWhip = 0.1, kWhipGain = 1e-5;
 constexpr int kHalvings = 4;
 
 // An overlap is left where a link would move by more than this times what the gap gains, and this [m].
@@ -31,16 +33,9 @@ bool is_free(const Mechanism& mechanism, const Component& c) {
 
 }  // namespace
 
-void StepMemory::clear() {
-  contacts.clear();
-  efforts.clear();
-  udot.resize(0);
-  mean_udot.resize(0);
-  had_rows = false;
-}
-
 Stepper::Stepper(Mechanism& mechanism, Detector& detector, const StepperOptions& options)
-    : mechanism_(mechanism),
+    : sleep(mechanism, detector),
+      mechanism_(mechanism),
       contacts_(mechanism, detector, options.solver.tolerance, options.pool.get()),
       options_(options),
       model_(mechanism.model()),
@@ -66,9 +61,6 @@ void Stepper::set(const Values& q, const Values& u) {
 void Stepper::advance(double dt, const std::vector<Drive>& drives,
                       const std::vector<Twist>& twists) {
   drives_ = &drives;
-  std::fill(impulses.joints.begin(), impulses.joints.end(), 0.0);
-  std::fill(impulses.motors.begin(), impulses.motors.end(), 0.0);
-  records.clear();
   for (const Link& link : mechanism_.links()) {
     if (!link.kinematic) continue;
     const Twist& twist = twists[std::size_t(link.plan.body)];
@@ -78,19 +70,33 @@ void Stepper::advance(double dt, const std::vector<Drive>& drives,
       u[3 + k] = twist.linear[k];
     }
   }
+  if (options_.sleep && !sleep.begin(drives, memory)) return;
+  std::fill(impulses.joints.begin(), impulses.joints.end(), 0.0);
+  std::fill(impulses.motors.begin(), impulses.motors.end(), 0.0);
+  records.clear();
   if (mechanism_.state.nu() == 0) return;
   for (int i = 0; i < options_.substeps; ++i) pass(dt / options_.substeps, kHalvings);
-  const auto by_pair = [](const ContactRecord& a, const ContactRecord& b) {
-    return a.collider_a != b.collider_a ? a.collider_a < b.collider_a : a.collider_b < b.collider_b;
-  };
-  // They come in this order; only where a step has parts may some be out of it.
-  if (std::is_sorted(records.begin(), records.end(), by_pair)) return;
-  std::stable_sort(records.begin(), records.end(), by_pair);
+  if (options_.sleep) add_sleeping();
+  // They come in the order of the colliders; only where a step has parts may some be out of it.
+  if (!std::is_sorted(records.begin(), records.end(), by_pair<ContactRecord>))
+    std::stable_sort(records.begin(), records.end(), by_pair<ContactRecord>);
+  if (options_.sleep) sleep.end(dt, contacts_, partition_, memory, records, impulses);
+}
+
+void Stepper::add_sleeping() {
+  const SleepState& asleep = sleep.state();
+  records.insert(records.end(), asleep.records.begin(), asleep.records.end());
+  for (std::size_t i = 0; i < impulses.joints.size(); ++i)
+    impulses.joints[i] += asleep.impulses.joints[i];
+  for (std::size_t i = 0; i < impulses.motors.size(); ++i)
+    impulses.motors[i] += asleep.impulses.motors[i];
 }
 
 void Stepper::sum_efforts(const Values& q, const Values& u, double weight, bool untouched) {
   for (const AxisLaw& law : laws_) {
-    if (law.implicit || bool(untouched_[std::size_t(law.component)]) != untouched) continue;
+    const std::size_t c = std::size_t(law.component);
+    if (law.implicit || bool(untouched_[c]) != untouched || mechanism_.components()[c].asleep)
+      continue;
     const double impulse = weight * law.effort_at(q, u);
     impulses.joints[std::size_t(law.effort)] += impulse;
     if (law.motor >= 0) impulses.motors[std::size_t(law.motor)] += impulse;
@@ -135,14 +141,16 @@ bool Stepper::build_rows(double h) {
   return any;
 }
 
-bool Stepper::find_whips(double h) {
+bool Stepper::find_whips(double h, int parts) {
   whips_.clear();
   const std::vector<LinkMotion>& motions = mechanism_.motions();
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const int c = mechanism_.links()[i].component;
     if (c < 0 || mechanism_.components()[std::size_t(c)].is_free_body) continue;
-    if (!(h * motions[i].angular.norm() > kWhip)) continue;
-    if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, 0.0, 0.0});
+    const double turn = parts * h * motions[i].angular.norm();
+    if (!(turn > kTurns)) continue;
+    if (whips_.empty() || whips_.back().component != c) whips_.push_back({c, false, 0.0, 0.0});
+    whips_.back().is_fast = whips_.back().is_fast || turn > kWhip;
   }
   for (Whip& whip : whips_) measure_whip(h, whip);
   return !whips_.empty();
@@ -156,26 +164,30 @@ void Stepper::measure_whip(double h, Whip& whip) const {
     const Vec3 v = motion.velocity_at(motion.X * link.com);
     const Vec3 spin = motion.X.R.transpose() * motion.angular;
     whip.energy += 0.5 * (link.mass * v.squaredNorm() + spin.dot(link.inertia * spin));
-    whip.work += h * mechanism_.loads()[std::size_t(i)].force.norm() * v.norm();
+    const Wrench& load = mechanism_.loads()[std::size_t(i)];
+    whip.work += h * (load.force.dot(v) + load.torque.dot(motion.angular));
   }
 }
 
-// A mechanism that whips and that an impact met, or that has more energy than its loads and motors gave it. `start`: the efforts
+// A mechanism that whips and that an impact met, or that has more energy than its loads, springs and motors gave it. `start`: the efforts
 // before the step.
 bool Stepper::must_be_halved(double h, const EffortSums& start) const {
   if (hit_.empty()) return false;  // nothing touched anything
   for (const Whip& before : whips_) {
-    if (hit_[std::size_t(before.component)]) return true;
+    if (before.is_fast && hit_[std::size_t(before.component)]) return true;
     if (untouched_[std::size_t(before.component)]) continue;
     Whip after = before;
     measure_whip(h, after);
-    double allowed = before.energy * (1.0 + kGain) + std::max(before.work, after.work);
+    double allowed = before.energy * (1.0 + (before.is_fast ? kWhipGain : kGain)) +
+                     0.5 * (before.work + after.work);
     for (const AxisLaw& law : laws_) {
-      if (law.component != before.component || law.motor < 0) continue;
-      const std::size_t motor = std::size_t(law.motor);
-      const double fastest =
-          std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
-      allowed += std::abs(impulses.motors[motor] - start.motors[motor]) * fastest;
+      if (law.component != before.component) continue;
+      const double spring = h * law.law.kp * (law.law.position - law.coordinate(q0_));
+      const double impulse = law.motor < 0 ? spring
+                                           : impulses.motors[std::size_t(law.motor)] -
+                                                 start.motors[std::size_t(law.motor)];
+      allowed += std::abs(impulse) *
+                 std::max(std::abs(u0_[law.speed]), std::abs(mechanism_.state.u()[law.speed]));
     }
     if (!(after.energy <= allowed)) return true;
   }
@@ -183,7 +195,8 @@ bool Stepper::must_be_halved(double h, const EffortSums& start) const {
 }
 
 void Stepper::pass(double h, int halvings) {
-  if (!has_mechanisms_ || halvings == 0 || !find_whips(h)) return move(h);
+  if (!has_mechanisms_ || halvings == 0 || !find_whips(h, 1 << (kHalvings - halvings)))
+    return move(h);
   const Values q = mechanism_.state.q(), u = mechanism_.state.u();
   const StepMemory start = memory;
   const EffortSums efforts = impulses;
@@ -224,6 +237,10 @@ void Stepper::move(double h) {
   const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
   accelerations_.compute(laws_, udot_, smooth ? nullptr : &middle);
   contacts_.detect(h, memory.contacts);
+  if (options_.sleep && sleep.wake_touched(contacts_.manifolds(), memory)) {
+    set(q0_, u0_);
+    return move(h);
+  }
   const bool rows = build_rows(h);
 
   if (!rows && options_.scheme != Scheme::midpoint) {
@@ -237,7 +254,7 @@ void Stepper::move(double h) {
   bool separate = false;
   for (const Component& c : m.components())
     separate = separate || (untouched_[std::size_t(&c - m.components().data())] &&
-                            !c.is_free_body && c.size() > 0);
+                            !c.is_free_body && c.size() > 0 && !c.asleep);
   separate = separate && options_.scheme != Scheme::midpoint;
   if (!separate) std::fill(untouched_.begin(), untouched_.end(), 0);
   if (smooth && m.has_loops()) accelerations_.compute(laws_, udot_, &middle);

@@ -4,9 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "contacts.h"
 #include "mechanism/accelerations.h"
-#include "solver/partition.h"
+#include "sleep.h"
 
 namespace cogrsim::dynamics {
 
@@ -16,24 +15,9 @@ struct StepperOptions {
   Scheme scheme = Scheme::automatic;
   int substeps = 1;
   int threads = 1;
+  bool sleep = false;
   SolverOptions solver;
   std::shared_ptr<WorkerPool> pool;  ///< of `threads`; none where that is 1
-};
-
-/// Sums of effort times time; one entry per speed and per motor of the model.
-struct EffortSums {
-  std::vector<double> joints;
-  std::vector<double> motors;
-};
-
-/// What a step takes from the one before, beside the state. All of it is part of a snapshot.
-struct StepMemory {
-  std::vector<WarmContact> contacts;  ///< in the order of the colliders
-  std::vector<double> efforts;        ///< see RowBuilder::slot_of; empty: none
-  Values udot;       ///< what leads to the next middle of a step, impulses of contacts included
-  Values mean_udot;  ///< over the last step, impulses included; empty: unknown
-  bool had_rows = false;  ///< `udot` and the rest are valid
-  void clear();
 };
 
 /// Momentum of an articulated component that no joint ties to the world.
@@ -56,19 +40,28 @@ class Stepper {
   /// where loops cannot be closed; the state is then undefined.
   void advance(double dt, const std::vector<Drive>& drives, const std::vector<Twist>& twists);
 
+  /// Nothing of the steps before counts, as where another state is set; all is awake.
+  void forget() {
+    memory.clear();
+    sleep.wake_all();
+  }
+
   StepMemory memory;
+  Sleep sleep;
   EffortSums impulses;                 ///< of the last step: effort times time
   std::vector<ContactRecord> records;  ///< of the last step
 
  private:
   // One part of a step; where a whip is hit, its halves instead.
   void pass(double h, int halvings);
-  // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step, at most [J].
+  // A mechanism of which a link turns far in a step, its kinetic energy, and the work of its loads in the step at these speeds [J].
   struct Whip {
     int component = -1;
+    bool is_fast = false;
     double energy = 0.0, work = 0.0;
   };
-  bool find_whips(double h);
+  // h: of `parts` of the step.
+  bool find_whips(double h, int parts);
   void measure_whip(double h, Whip& whip) const;
   bool must_be_halved(double h, const EffortSums& start) const;
   void move(double h);
@@ -97,6 +90,8 @@ class Stepper {
   // `inertia`: computes that, too.
   void measure_momenta(bool inertia);
 
+  // What contacts and motors of what sleeps do, as its last step left it.
+  void add_sleeping();
   void set(const Values& q, const Values& u);
   // Of the components whose mark in `untouched_` is `untouched`.
   void sum_efforts(const Values& q, const Values& u, double weight, bool untouched);

@@ -61,7 +61,9 @@ void Stepper::conserve_momentum(double h) {
   const std::vector<LinkMotion>& motions = m.motions();
   for (std::size_t i = 0; i < momenta_.size(); ++i) {
     const FreeMomentum& end = momenta_[i];
-    if (untouched_[std::size_t(end.component)]) continue;
+    if (untouched_[std::size_t(end.component)] ||
+        m.components()[std::size_t(end.component)].asleep)
+      continue;
     const FreeMomentum& start = start_momenta_[i];
     Vec3 linear = start.linear + h * end.load - end.linear;
     Vec3 angular = start.angular + 0.5 * h * (start.load_moment + end.load_moment) - end.angular;

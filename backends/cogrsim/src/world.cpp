@@ -57,7 +57,7 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   if (result.status == StepStatus::diverged) {
     m.state.change_q() = progress_.start_q;
     m.state.change_u() = progress_.start_u;
-    engine_->stepper.memory.clear();
+    engine_->stepper.forget();
     return result;
   }
   progress_.reactions_kept = false;
@@ -124,6 +124,7 @@ void DynamicsWorld::capture(Progress& progress) const {
   progress.q = e.mechanism.state.q();
   progress.u = e.mechanism.state.u();
   progress.memory = e.stepper.memory;
+  progress.sleep = e.stepper.sleep.state();
   progress.impulses = e.stepper.impulses;
   progress.records = e.stepper.records;
 }
@@ -134,6 +135,7 @@ void DynamicsWorld::apply(const Progress& progress) {
   e.mechanism.state.change_q() = progress.q;
   e.mechanism.state.change_u() = progress.u;
   e.stepper.memory = progress.memory;
+  e.stepper.sleep.set_state(progress.sleep);
   e.stepper.impulses = progress.impulses;
   e.stepper.records = progress.records;
 }

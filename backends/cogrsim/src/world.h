@@ -32,6 +32,7 @@ struct Progress {
   Values q, u;              ///< now
   Values start_q, start_u;  ///< before the last step
   StepMemory memory;
+  SleepState sleep;
   EffortSums impulses;
   std::vector<ContactRecord> records;
   std::vector<Twist> twists;  ///< of kinematic bodies (nbody)

@@ -55,8 +55,8 @@ Capabilities make_capabilities() {
   set("gimbal",
       {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
       lacks, "three hinges with light bodies between them do the same");
-  set("ball", {"joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."}, lacks,
-      "ODE's ball joint has neither stops nor a motor");
+  set("ball", {"joint.limit.", "joint.stiffness."}, lacks, "ODE's ball joint has no stops");
+  set("ball", {"joint.friction."}, lacks, "three motors would bound each axis by itself");
   set("planar", {"joint.limit."}, lacks, "ODE's LMotor has no stops");
   set("planar", {"joint.", "loop."}, differs,
       "two angles stopped (AMotor) and no speed along the normal (LMotor), whose position drifts");

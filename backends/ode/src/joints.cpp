@@ -45,8 +45,11 @@ void set_param(dJointID id, int parameter, double value) {
   }
 }
 
-bool has_motors(JointType type) {
-  return type != JointType::ball && type != JointType::fixed && type != JointType::free;
+bool has_motors(JointType type) { return type != JointType::fixed && type != JointType::free; }
+
+// Of one speed of a joint; those of a ball share theirs.
+const JointAxis& axis_of(const Joint& joint, int speed) {
+  return joint.axes[std::min(std::size_t(speed), joint.axes.size() - 1)];
 }
 
 // Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
@@ -84,7 +87,8 @@ JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const J
   second_ = child.body ? parent : JointEnd();
 
   // ODE's coordinates are zero where a joint is made.
-  const bool has_stops = has_motors(joint_->type) && joint_->type != JointType::planar;
+  const bool has_stops = has_motors(joint_->type) && joint_->type != JointType::planar &&
+                         joint_->type != JointType::ball;
   std::array<double, 7> zero{};
   bool is_ours = true;  // it is made where the scene's are zero
   for (std::size_t i = 0; has_stops && i < joint_->axes.size(); ++i) {
@@ -211,8 +215,10 @@ JointLink::Law& JointLink::add_law(dWorldID world, int speed, bool own, const Ve
     law.group = group_of(speed);
     return law;
   }
-  // Of the universal's axes the first is F's, as all of a planar joint are; others M's or both's.
-  const bool of_parent = normal_ || (joint_->type == JointType::universal && speed == 0);
+  // Of the universal's axes the first is F's, as all of planar and ball joints are; others M's or
+  // both's.
+  const bool of_parent = normal_ || joint_->type == JointType::ball ||
+                         (joint_->type == JointType::universal && speed == 0);
   const int of_child = sign_ > 0.0 ? 1 : 0;
   const int relative = of_parent                              ? relative_to_parent()
                        : joint_->type == JointType::universal ? of_child
@@ -232,10 +238,10 @@ JointLink::Law& JointLink::add_law(dWorldID world, int speed, bool own, const Ve
 
 void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, const Pose& X_WF,
                          const Pose& X_WM) {
-  if (!has_motors(joint_->type)) return;
+  if (!has_motors(joint_->type) || joint_->axes.empty()) return;
   for (int i = 0; i < speed_count(joint_->type); ++i) {
-    const JointAxis& axis = joint_->axes[i];
-    bool own = !axis.has_limit() && !normal_;
+    const JointAxis& axis = axis_of(*joint_, i);
+    bool own = !axis.has_limit() && !normal_ && joint_->type != JointType::ball;
     const auto add = [&]() -> Law& {
       return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
     };
@@ -331,7 +337,7 @@ void JointLink::drive(double h, const std::vector<Drive>& drives,
   if (has_rotor_) velocities(q, u);
   for (Law& law : laws_) {
     law.applied = 0.0;
-    const JointAxis& axis = joint_->axes[law.speed];
+    const JointAxis& axis = axis_of(*joint_, law.speed);
     if (law.drive >= 0) {
       set(law, drives[law.drive], h, q);
     } else if (law.rotor) {
@@ -349,7 +355,7 @@ void JointLink::drive(double h, const std::vector<Drive>& drives,
 }
 
 std::vector<double> JointLink::rotor_ratios() const {
-  std::vector<double> out(joint_->axes.size(), 0.0);
+  std::vector<double> out(std::size_t(speed_count(joint_->type)), 0.0);
   const Pose X_WF = parent_.pose() * joint_->X_PF, X_WM = child_.pose() * joint_->X_CM;
   for (const Law& law : laws_) {
     const Vec3 d = direction(law.speed, X_WF, X_WM);
@@ -360,7 +366,7 @@ std::vector<double> JointLink::rotor_ratios() const {
       const Vec3 local = end->pose().q.conjugate() * d;
       const Mat3 I =
           Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mass.I).leftCols<3>();
-      out[law.speed] += joint_->axes[law.speed].rotor_inertia *
+      out[law.speed] += axis_of(*joint_, law.speed).rotor_inertia *
                         (turns(law.speed) ? local.dot(I.inverse() * local) : 1.0 / mass.mass);
     }
   }
@@ -382,7 +388,8 @@ void JointLink::velocities(const double* q, double* u) const {
 Vec3 JointLink::direction(int speed, const Pose& X_WF, const Pose& X_WM) const {
   if (joint_->type == JointType::universal)
     return speed == 0 ? Vec3(X_WF.q * Vec3::UnitX()) : Vec3(X_WM.q * Vec3::UnitY());
-  if (joint_->type == JointType::planar) return X_WF.q * Vec3::Unit(speed);
+  if (joint_->type == JointType::planar || joint_->type == JointType::ball)
+    return X_WF.q * Vec3::Unit(speed);
   return (sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitZ();
 }
 

@@ -56,6 +56,7 @@ export class Axis {
   u = 0;
   #axis: V3 = [0, 0, 1]; // in the world
   #point: V3 = [0, 0, 0];
+  #damps = false; // the joint's damping is Rapier's motor, though a motor drives
 
   constructor(
     readonly joint: Joint,
@@ -109,12 +110,15 @@ export class Axis {
   /** The law of a motor, six numbers at `at`, as Rapier's motor; returns the effort beside it. */
   drive(drives: Float64Array, at: number): number {
     const [bias, kp, position, kd, velocity, most] = drives.subarray(at, at + 6);
+    const { damping } = this.joint.axes[0];
+    this.#damps = kp === 0 && kd === 0 && damping > 0;
     if (kd === Infinity) {
       this.#motor(0, velocity, 0, kRigid, most);
       return 0;
     }
     if (kp === 0 && kd === 0) {
-      this.#motor(0, 0, 0, 0, 0);
+      // A motor without gains holds rigidly if its force has no bound.
+      this.#motor(0, 0, 0, damping, this.#damps ? Infinity : 0);
       return Math.min(Math.max(bias, -most), most);
     }
     if (kp === 0) {
@@ -137,7 +141,7 @@ export class Axis {
   /** Spring and damper beside the motor, where that is taken. */
   passive(): number {
     const { damping, stiffness, rest, friction } = this.joint.axes[0];
-    const taken = this.isDriven || friction > 0;
+    const taken = this.isDriven ? !this.#damps : friction > 0;
     return (taken ? -damping * this.u : 0) - stiffness * (this.q - rest);
   }
 

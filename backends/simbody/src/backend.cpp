@@ -105,13 +105,12 @@ class SimbodyBackend final : public Backend {
     }
     out[StepStage::joints] = {engine,
                               "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
-                              "Constraint::Weld; rotors: Constraint::SpeedCoupler, couplings: "
-                              "Constraint::CoordinateCoupler"};
+                              "Constraint::Weld; rotors and couplings: rows of Constraint::Custom"};
     out[StepStage::limits] = {engine, "Force::MobilityLinearStop"};
     out[StepStage::motors] = {
         ours,
-        "efforts found by Drives, applied by Force::MobilityDiscreteForce; springs and dampers: "
-        "Force::MobilityLinearSpring, MobilityLinearDamper"};
+        "efforts found by Drives, applied by Force::MobilityDiscreteForce, stiff dampers' too; "
+        "springs and dampers: Force::MobilityLinearSpring, MobilityLinearDamper"};
     out[StepStage::integrator] = {engine, out.integrator.c_str()};
     return out;
   }

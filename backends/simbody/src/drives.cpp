@@ -14,19 +14,11 @@ Drives::Drives(Mechanism& mechanism) : mechanism_(mechanism) {
     const Joint& joint = model.joints[j];
     if (joint.removed || joint.axes.empty()) continue;
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      const double friction =
-          joint.axes[joint.type == JointType::ball ? 0 : std::size_t(i)].friction;
-      if (friction > 0.0) add(mechanism, int(j), i, -1, friction);
+      const JointAxis& axis = joint.axes[joint.type == JointType::ball ? 0 : std::size_t(i)];
+      if (axis.friction > 0.0) add(mechanism, int(j), i, -1, axis.friction);
+      if (axis.damping > 0.0) add(mechanism, int(j), i, kDamper, 0.0);
     }
   }
-  std::stable_sort(axes_.begin(), axes_.end(),
-                   [](const Axis& a, const Axis& b) { return a.tree < b.tree; });
-  for (std::size_t i = 0, first = 0; i < axes_.size(); ++i) {
-    if (axes_[i].tree != axes_[first].tree) first = i;
-    axes_[i].first = first;
-    widest_ = std::max(widest_, i + 1 - first);
-  }
-  w_.resize(axes_.size() * widest_);
 }
 
 void Drives::add(Mechanism& mechanism, int joint, int axis, int motor, double friction) {
@@ -48,31 +40,49 @@ void Drives::add(Mechanism& mechanism, int joint, int axis, int motor, double fr
 }
 
 void Drives::locate() {
-  for (Axis& axis : axes_) {
+  const auto is_soft = [&](const Axis& axis) {
+    return axis.motor == kDamper && mechanism_.stiff_damping(axis.effort) == 0.0;
+  };
+  axes_.erase(std::remove_if(axes_.begin(), axes_.end(), is_soft), axes_.end());
+  std::stable_sort(axes_.begin(), axes_.end(),
+                   [](const Axis& a, const Axis& b) { return a.tree < b.tree; });
+  for (std::size_t i = 0, first = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    if (axis.tree != axes_[first].tree) first = i;
+    axis.first = first;
     axis.q += mechanism_.links()[axis.link].q;
     axis.u += mechanism_.links()[axis.link].u;
+    axis.damping = mechanism_.stiff_damping(axis.effort);
+    widest_ = std::max(widest_, i + 1 - first);
   }
+  for (Axis& axis : axes_)
+    for (std::size_t k = axis.first; k < axes_.size() && axes_[k].tree == axis.tree; ++k)
+      if (axes_[k].motor == kDamper && axes_[k].u == axis.u) axis.damper = int(k);
+  w_.resize(axes_.size() * widest_);
 }
 
 void Drives::find_mobility(const SimTK::State& state) {
   const SimTK::SimbodyMatterSubsystem& matter = mechanism_.matter;
-  const int nu = state.getNU();
-  SimTK::Vector unit(nu, 0.0), column(nu), bias(nu);
-  SimTK::Vector_<SimTK::SpatialVec> no_forces(matter.getNumBodies(),
-                                              SimTK::SpatialVec(SimTK::Vec3(0))),
-      accelerations;
-  const bool loops = mechanism_.has_loops();
-  if (loops) matter.calcAcceleration(state, unit, no_forces, bias, accelerations);
+  SimTK::Vector unit(state.getNU(), 0.0), column, held, bias, error, multipliers, f;
+  SimTK::FactorQTZ projected;
+  if (mechanism_.has_loops()) {
+    SimTK::Matrix GMInvGt;
+    matter.calcProjectedMInv(state, GMInvGt);
+    projected.factor(GMInvGt, GMInvGt.nrow() * SimTK::SignificantReal);
+    matter.calcBiasForMultiplyByG(state, bias);
+  }
   // One axis of every tree at a time: trees are independent of each other.
   for (std::size_t k = 0; k < widest_; ++k) {
     unit = 0.0;
     for (std::size_t i = 0; i < axes_.size(); ++i)
       if (i - axes_[i].first == k) unit[axes_[i].u] = 1.0;
-    if (loops) {
-      matter.calcAcceleration(state, unit, no_forces, column, accelerations);
-      column -= bias;
-    } else {
-      matter.multiplyByMInv(state, unit, column);
+    matter.multiplyByMInv(state, unit, column);
+    if (mechanism_.has_loops()) {
+      matter.multiplyByG(state, column, bias, error);
+      projected.solve(error, multipliers);
+      matter.multiplyByGTranspose(state, multipliers, f);
+      matter.multiplyByMInv(state, f, held);
+      column -= held;
     }
     for (std::size_t i = 0; i < axes_.size(); ++i) w_[i * widest_ + k] = column[axes_[i].u];
   }
@@ -104,20 +114,28 @@ void Drives::set(SimTK::State& state, double dt, const std::vector<Drive>& drive
       if (!(own > 0.0)) continue;                // held by a loop, or prescribed
       double free = u[axis.u] + dt * a[axis.u];  // speed at the end without this axis
       for (std::size_t k = axis.first; k < axes_.size() && axes_[k].tree == axis.tree; ++k)
-        if (k != i) free += dt * w(i, k) * axes_[k].now;
+        if (k != i && int(k) != axis.damper) free += dt * w(i, k) * axes_[k].now;
+      // A stiff damper of the axis makes it heavier, u = (free + dt own effort) / give.
+      const double give = 1.0 + dt * axis.damping * own, soft = own / give;
+      free /= give;
+      if (axis.motor == kDamper) {
+        axis.now = -axis.damping * free;
+        continue;
+      }
       Drive law;
       law.kd = std::numeric_limits<double>::infinity();
       law.max_effort = axis.friction * share[i];
       if (axis.motor >= 0) law = drives[axis.motor];
       const double wanted = law.is_speed_source()
-                                ? (law.velocity - free) / (dt * own)
+                                ? (law.velocity - free) / (dt * soft)
                                 : (law.bias + law.kp * (law.position - q[axis.q] - dt * free) +
                                    law.kd * (law.velocity - free)) /
-                                      (1.0 + (law.kd + law.kp * dt) * dt * own);
+                                      (1.0 + (law.kd + law.kp * dt) * dt * soft);
       const double effort = std::clamp(wanted, -law.max_effort, law.max_effort);
       change = std::max(change, std::abs(effort - axis.now));
       largest = std::max(largest, std::abs(effort));
       axis.now = effort;
+      if (axis.damper >= 0) axes_[axis.damper].now = -axis.damping * (free + dt * soft * effort);
     }
     if (change <= kSettled * largest) break;
   }

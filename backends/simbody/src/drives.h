@@ -14,6 +14,7 @@ namespace cogrsim::simbody {
 /// axes have without drives and W = P M^-1 P^T what unit efforts add to it (Simbody's, loops
 /// included), the speeds at the end are u + dt (a + W effort), and every effort obeys its law there
 /// (see Drive) within its bound. Dry friction is a drive towards rest whose bound is the friction.
+/// A damper too stiff for Simbody's explicit integrators (Mechanism::stiff_damping) is one, too.
 class Drives {
  public:
   /// To be made before Mechanism::realize_topology(), and located after.
@@ -29,16 +30,20 @@ class Drives {
 
  private:
   struct Axis {
-    int motor = -1;  ///< SceneModel::motors; -1: dry friction
+    int motor = -1;  ///< SceneModel::motors; -1: dry friction; kDamper
     int effort = 0;  ///< WorldState::joint_efforts
     int link = -1, tree = -1;
     int q = -1, u = -1;  ///< in the state, once located
     double friction = 0.0;
-    bool ball = false;  ///< one of three axes in a row that share `friction` as one vector
+    int damper = -1;       ///< that of the same axis: it acts in every law there
+    double damping = 0.0;  ///< its
+    bool ball = false;     ///< one of three axes in a row that share `friction` as one vector
     SimTK::Force::MobilityDiscreteForce force;
     std::size_t first = 0;  ///< of its tree's axes
     double now = 0.0;
   };
+
+  static constexpr int kDamper = -2;
 
   void add(Mechanism& mechanism, int joint, int axis, int motor, double friction);
   void find_mobility(const SimTK::State& state);

@@ -243,7 +243,15 @@ void Mechanism::add_link(Link link, int inboard_link, int anchor, int fragments)
   links_.push_back(link);
 }
 
+SimTK::Constraint Mechanism::keep(std::unique_ptr<LinearRows> rows) {
+  if (rows->empty()) return {};
+  has_loops_ = true;
+  rows_.push_back(rows.get());
+  return rows_constraints_.emplace_back(SimTK::Constraint::Custom(rows.release()));
+}
+
 void Mechanism::add_rotors() {
+  auto rows = std::make_unique<LinearRows>(matter);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (links_[l].joint < 0) continue;
     const Joint& joint = model_->joints[links_[l].joint];
@@ -256,56 +264,47 @@ void Mechanism::add_rotors() {
       const SimTK::Body::Rigid body(
           SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::Inertia(rotor.inertia)));
       rotor.pin = SimTK::MobilizedBody::Pin(matter.Ground(), body);
-      SimTK::Array_<SimTK::MobilizedBodyIndex> bodies(2, rotor.pin.getMobilizedBodyIndex());
-      SimTK::Array_<SimTK::MobilizerUIndex> speeds(2, SimTK::MobilizerUIndex(0));
-      bodies[0] = links_[l].mobod.getMobilizedBodyIndex();
-      speeds[0] = SimTK::MobilizerUIndex(links_[l].u_map[i]);
-      const SimTK::Vector difference(SimTK::Vec3(1, -1, 0));
-      const SimTK::Constraint::SpeedCoupler coupler(matter, new SimTK::Function::Linear(difference),
-                                                    bodies, speeds);
-      has_loops_ = true;
+      rows->add_speeds({{&links_[l].mobod, links_[l].u_map[i], 1.0}, {&rotor.pin, 0, -1.0}});
       rotors_.push_back(rotor);
     }
   }
+  keep(std::move(rows));
 }
 
 void Mechanism::add_couplings() {
+  auto rows = std::make_unique<LinearRows>(matter);
   for (const Coupling& coupling : model_->couplings) {
     if (coupling.removed) continue;
-    std::vector<std::pair<int, double>> terms = {{coupling.joint, 1.0}};
-    for (const CouplingTerm& term : coupling.terms) terms.emplace_back(term.joint, -term.ratio);
-    SimTK::Array_<SimTK::MobilizedBodyIndex> bodies;
-    SimTK::Array_<SimTK::MobilizerQIndex> coordinates;
-    SimTK::Vector factors(int(terms.size()) + 1, 0.0);
+    std::vector<LinearRows::Term> terms;
     double still = -coupling.offset;  // what does not move is where it begins
-    for (const auto& [joint, factor] : terms) {
+    int first = -1;
+    const auto add = [&](int joint, double factor) {
       const int index = joint_link(joint);
       if (index < 0) {
         still += factor * model_->joints[joint].position.at(0);
-        continue;
+        return;
       }
       const Link& link = links_[index];
-      factors[int(bodies.size())] = factor;
-      bodies.push_back(link.mobod.getMobilizedBodyIndex());
-      coordinates.push_back(SimTK::MobilizerQIndex(link.q_map[0]));
-      join_trees(link.tree, links_[int(bodies.front()) - 1].tree);
-    }
-    if (bodies.empty()) continue;
-    factors.resizeKeep(int(bodies.size()) + 1);
-    factors[int(bodies.size())] = still;
-    couplers_.emplace_back(int(&coupling - model_->couplings.data()),
-                           SimTK::Constraint::CoordinateCoupler(
-                               matter, new SimTK::Function::Linear(factors), bodies, coordinates));
-    has_loops_ = true;
+      if (first < 0) first = index;
+      join_trees(link.tree, links_[first].tree);
+      terms.push_back({&link.mobod, link.q_map[0], factor});
+    };
+    add(coupling.joint, 1.0);
+    for (const CouplingTerm& term : coupling.terms) add(term.joint, -term.ratio);
+    if (terms.empty()) continue;
+    rows->add_coordinates(terms, still);
+    coupled_.push_back(int(&coupling - model_->couplings.data()));
   }
+  couplers_ = keep(std::move(rows));
 }
 
 void Mechanism::add_coupling_efforts(const SimTK::State& state, std::vector<double>& joints) const {
-  if (couplers_.empty()) return;
+  if (coupled_.empty()) return;
   system.realize(state, SimTK::Stage::Acceleration);
-  for (const auto& [index, coupler] : couplers_) {
-    const Coupling& coupling = model_->couplings[index];
-    const double effort = -coupler.getMultipliersAsVector(state)[0];
+  const SimTK::Vector multipliers = couplers_.getMultipliersAsVector(state);
+  for (std::size_t i = 0; i < coupled_.size(); ++i) {
+    const Coupling& coupling = model_->couplings[coupled_[i]];
+    const double effort = -multipliers[int(i)];
     joints[model_->joints[coupling.joint].speed_offset] += effort;
     for (const CouplingTerm& term : coupling.terms)
       joints[model_->joints[term.joint].speed_offset] -= term.ratio * effort;
@@ -335,7 +334,8 @@ void Mechanism::add_axes(const Joint& joint, const Link& link) {
     const SimTK::MobilizerQIndex q(link.q_map[i]);
     made.u = u;
     made.q = q;
-    if (axis.damping > 0.0) SimTK::Force::MobilityLinearDamper(forces, link.mobod, u, axis.damping);
+    if (axis.damping > 0.0)
+      made.damper = SimTK::Force::MobilityLinearDamper(forces, link.mobod, u, axis.damping);
     if (axis.stiffness > 0.0)
       SimTK::Force::MobilityLinearSpring(forces, link.mobod, q, axis.stiffness, axis.rest);
     made.stops = axis.has_limit();
@@ -356,31 +356,45 @@ SimTK::State Mechanism::realize_topology() {
     link.nq = link.mobod.getNumQ(state);
     link.nu = link.mobod.getNumU(state);
   }
+  system.realize(state, SimTK::Stage::Instance);
+  for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i]->locate(state, rows_constraints_[i]);
   for (Rotor& rotor : rotors_) rotor.u = int(rotor.pin.getFirstUIndex(state));
   for (AxisForces& axis : axes_) {
     const Link& link = links_[joint_link(axis.joint)];
     axis.q += link.q;
     axis.u += link.u;
   }
-  set_stops(state);
+  set_axes(state);
   set_all(state, initial_state(*model_));
   return state;
 }
 
-// As stiff as the axis is heavy where all coordinates are zero: whatever else is there, and wherever
-// it is, changes nothing.
-void Mechanism::set_stops(SimTK::State& state) {
+double Mechanism::stiff_damping(int effort) const {
+  for (const AxisForces& axis : axes_)
+    if (axis.effort == effort && axis.is_stiff) return axis.axis.damping;
+  return 0.0;
+}
+
+// Stops are as stiff as the axis is heavy where all coordinates are zero: whatever else is there, and
+// wherever it is, changes nothing. So is what counts as a stiff damper.
+void Mechanism::set_axes(SimTK::State& state) {
+  constexpr double kStable = 3.0;  // of the step over the time constant: Runge and Kutta's limit
   SimTK::Vector unit(state.getNU(), 0.0), column;
   system.realize(state, SimTK::Stage::Position);
   for (AxisForces& axis : axes_) {
-    if (!axis.stops) continue;
     unit[axis.u] = 1.0;
     matter.multiplyByMInv(state, unit, column);
     unit[axis.u] = 0.0;
-    const double square = options_.frequency * options_.frequency;
-    axis.stop_stiffness = square / std::max(column[axis.u], 1e-12) + square * axis.rotor;
-    axis.stop.setMaterialProperties(state, axis.stop_stiffness, options_.stop_dissipation);
+    const double inertia = 1.0 / std::max(column[axis.u], 1e-12) + axis.rotor;
+    axis.is_stiff = axis.axis.damping * model_->physics.step > kStable * inertia;
+    axis.stop_stiffness = options_.contact.frequency * options_.contact.frequency * inertia;
   }
+  for (const AxisForces& axis : axes_) {
+    if (axis.stops)
+      axis.stop.setMaterialProperties(state, axis.stop_stiffness, options_.stop_dissipation);
+    if (axis.is_stiff) axis.damper.disable(state);
+  }
+  system.realizeModel(state);
 }
 
 Pose Mechanism::pose(const SimTK::State& state, int body) const {

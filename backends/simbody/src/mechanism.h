@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "convert.h"
 #include "options.h"
+#include "rows.h"
 
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/physics/state.h"
@@ -32,7 +34,7 @@ struct Link {
   int q = 0, nq = 0, u = 0, nu = 0;
 };
 
-/// A rotor on an axis: a body on a pin on the ground that a SpeedCoupler turns as fast as the axis.
+/// A rotor on an axis: a body on a pin on the ground that turns as fast as the axis (LinearRows).
 struct Rotor {
   int link = -1, axis = 0;  ///< Mechanism::links(), the axis of its joint
   double inertia = 0.0;
@@ -47,7 +49,8 @@ struct AxisForces {
   int q = 0, u = 0;  ///< in the state
   JointAxis axis;
   SimTK::Force::MobilityLinearStop stop;
-  bool stops = false;
+  SimTK::Force damper;  ///< disabled where is_stiff
+  bool stops = false, is_stiff = false;
   double stop_stiffness = 0.0;
   double rotor = 0.0;  ///< inertia
 };
@@ -71,6 +74,9 @@ class Mechanism {
   const SimTK::MobilizedBody& mobod(int body) const;
   const std::vector<AxisForces>& axes() const { return axes_; }
   const std::vector<Rotor>& rotors() const { return rotors_; }
+  /// Of a speed (WorldState::joint_efforts) whose damper an explicit integrator cannot hold in the
+  /// scene's steps [N m s/rad], [N s/m]; 0: it has none such.
+  double stiff_damping(int effort) const;
   bool has_loops() const { return has_loops_; }
 
   /// To be called once, when all forces are there: the scene's state at the start.
@@ -108,9 +114,10 @@ class Mechanism {
   void join_trees(int one, int other);
   void add_link(Link link, int inboard, int anchor, int fragments);
   void add_axes(const Joint& joint, const Link& link);
+  SimTK::Constraint keep(std::unique_ptr<LinearRows> rows);
   void add_rotors();
   void add_couplings();
-  void set_stops(SimTK::State& state);
+  void set_axes(SimTK::State& state);
 
   SimTK::Force::DiscreteForces external_{forces, matter};
   SceneModelPtr model_;
@@ -120,7 +127,10 @@ class Mechanism {
   std::vector<int> body_links_, joint_links_;
   std::vector<AxisForces> axes_;
   std::vector<Rotor> rotors_;
-  std::vector<std::pair<int, SimTK::Constraint::CoordinateCoupler>> couplers_;  ///< by coupling
+  std::vector<LinearRows*> rows_;  ///< owned by the constraints
+  std::vector<SimTK::Constraint> rows_constraints_;
+  SimTK::Constraint couplers_;
+  std::vector<int> coupled_;  ///< SceneModel::couplings of the rows of coordinates
   bool has_loops_ = false;
 };
 

@@ -9,8 +9,6 @@ namespace cogrsim::simbody {
 
 namespace {
 
-constexpr double kLeast = 0.04;  // restitution, see dissipation_of()
-
 using Made = std::unique_ptr<SimTK::Integrator>;
 
 template <class Method>
@@ -95,11 +93,8 @@ Options options_from(const Parameters& p) {
   out.accuracy = number("accuracy");
   out.substeps = int(std::get<std::int64_t>(p.at("substeps")));
   out.trackers = text("contact") == "simbody";
-  out.stiffness = number("stiffness");
-  out.frequency = number("contact-frequency");
-  out.dissipation = number("dissipation");
-  out.impact_speed = number("impact-speed");
-  out.transition_velocity = number("transition-velocity");
+  out.contact = {number("stiffness"), number("contact-frequency"), number("dissipation"),
+                 number("impact-speed"), number("transition-velocity")};
   out.modulus = number("modulus");
   out.stop_dissipation = number("stop-dissipation");
   return out;
@@ -120,19 +115,6 @@ std::unique_ptr<SimTK::Integrator> make_integrator(const Options& options,
   out->setAccuracy(options.accuracy);
   substeps > 0 ? out->setFixedStepSize(step) : out->setMaximumStepSize(step);
   return out;
-}
-
-double dissipation_of(double restitution, double speed) {
-  const double e = std::max(restitution, kLeast);
-  if (e >= 1.0) return 0.0;
-  // y = c v solves y - ln(1 + y) = -e y - ln(1 - e y), 0 < y < 1/e; the left side wins for small y.
-  double low = 0.0, high = 1.0 / e;
-  for (int i = 0; i < 200; ++i) {
-    const double y = 0.5 * (low + high);
-    const bool below = y - std::log1p(y) > -e * y - std::log1p(-e * y);
-    (below ? low : high) = y;
-  }
-  return 0.5 * (low + high) / speed;
 }
 
 }  // namespace cogrsim::simbody

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "collision/compliant_contact.h"
+
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/model/scene_model.h"
 
@@ -18,9 +20,8 @@ struct Options {
   double accuracy = 1e-3;
   int substeps = 0;
   bool trackers = false;  ///< contact="simbody"
-  double stiffness = 0.0, frequency = 0.0, dissipation = 0.0, impact_speed = 1.0;
-  double transition_velocity = 0.01, modulus = 0.0;
-  double stop_dissipation = 0.0;
+  dynamics::CompliantLaw contact;
+  double modulus = 0.0, stop_dissipation = 0.0;
 };
 
 Options options_from(const Parameters& complete);
@@ -33,10 +34,5 @@ std::string integrator_class(const std::string& name);
 /// An integrator for steps of `dt` [s] at most, not yet initialized.
 std::unique_ptr<SimTK::Integrator> make_integrator(const Options& options,
                                                    const SimTK::System& system, double dt);
-
-/// Hunt and Crossley's dissipation c [s/m] of a linear spring, f = k x (1 + c xdot), from which a body
-/// that comes with `speed` [m/s] leaves with `restitution` of it. Restitutions below 0.04 count as
-/// 0.04, c = 25 s/m at 1 m/s: overlap is taken back at 1 / c at most.
-double dissipation_of(double restitution, double speed);
 
 }  // namespace cogrsim::simbody

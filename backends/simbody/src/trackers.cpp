@@ -44,7 +44,7 @@ std::unique_ptr<SimTK::ContactGeometry> geometry_of(const SceneModel& model, con
 
 TrackerContact::TrackerContact(Mechanism& mechanism, const Options& options)
     : mechanism_(mechanism), tracker_(mechanism.system), contact_(mechanism.system, tracker_) {
-  contact_.setTransitionVelocity(options.transition_velocity);
+  contact_.setTransitionVelocity(options.contact.transition_velocity);
   const SceneModel& model = mechanism.model();
   const int materials = int(model.materials.size());
   for (int a = 0; a < materials; ++a)
@@ -96,9 +96,10 @@ void TrackerContact::add(Mechanism& mechanism, const Options& options, int body,
                              "'; contact=\"general\" has all shapes");
   surface.type = geometry->getTypeId();
   surface.mobod = mechanism.mobod(body).getMobilizedBodyIndex();
-  const double c = options.dissipation > 0.0
-                       ? options.dissipation
-                       : dissipation_of(material.restitution, options.impact_speed);
+  const double c =
+      options.contact.dissipation > 0.0
+          ? options.contact.dissipation
+          : dynamics::dissipation_of(material.restitution, options.contact.impact_speed);
   constexpr double kThickness = 0.01;  // [m], of meshes' elastic layer
   SimTK::Transform X = frame_of(shape);
   if (mechanism.body_link(body) < 0) X = to_simtk(mechanism.static_poses()[body]) * X;

@@ -161,7 +161,7 @@ void SimbodyWorld::read_contacts(const SimTK::State& state) {
 void SimbodyWorld::add_efforts(const SimTK::State& state, double h) {
   const SimTK::Vector &q = state.getQ(), &u = state.getU();
   for (const AxisForces& axis : engine_->mechanism.axes()) {
-    double effort = -axis.axis.damping * u[axis.u];
+    double effort = axis.is_stiff ? 0.0 : -axis.axis.damping * u[axis.u];
     if (axis.axis.stiffness > 0.0) effort -= axis.axis.stiffness * (q[axis.q] - axis.axis.rest);
     if (axis.stops) effort += stop_effort(axis, options_.stop_dissipation, q[axis.q], u[axis.u]);
     double& last = last_efforts_[axis.effort];

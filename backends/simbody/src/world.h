@@ -76,7 +76,7 @@ class SimbodyWorld final : public HostedWorld {
   SimTK::State state_;                             ///< while there is no integrator
   double next_step_ = 0.0;  ///< of the integrator that is to come [s]; 0: as Simbody has it
   double last_dt_ = 0.0;
-  ContactReport contacts_;
+  dynamics::ContactMeans contacts_;
   std::vector<Contact> now_;
   std::vector<double> efforts_, last_efforts_;  ///< of springs, dampers, stops: impulses, at a time
 };

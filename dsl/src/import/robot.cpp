@@ -120,17 +120,27 @@ std::optional<Mat3> inertia_of_shapes(Context& context, const RobotLink& link, b
   return out.allFinite() ? std::optional(out) : std::nullopt;
 }
 
-/// A zero inertia with a mass is an omission: the shapes' inertia takes its place.
-void fill_empty_inertia(Context& context, RobotLink& link) {
-  if (link.inertia->I.cwiseAbs().maxCoeff() > 0.0) return;
+/// A point mass is legal in a file and singular in an engine: a ball of a hundredth of a millimetre.
+double least_moment(double mass) { return 0.4 * mass * 1e-10; }
+
+/// A zero inertia with a mass, or what rounding left of it, is an omission: the shapes' inertia takes
+/// its place.
+/// A point at the end of a chain stays one; between joints that move it would be light beyond what
+/// engines compute, and is a ball of 1 cm, as a link without mass is there.
+void fill_empty_inertia(Context& context, RobotLink& link, bool between_joints) {
+  if (link.inertia->I.cwiseAbs().maxCoeff() > least_moment(link.inertia->mass)) return;
   auto I = inertia_of_shapes(context, link, true);
   if (!I) I = inertia_of_shapes(context, link, false);
+  const char* what = "its shapes', as if they were filled, meshes as their boxes";
+  if (!I && between_joints) {
+    I = 0.4 * link.inertia->mass * 1e-4 * Mat3::Identity();
+    what = "a ball's of 1 cm, as it moves between joints";
+  }
   if (!I) return;
   link.inertia->I = *I;
   context.approximate(
       link.at, fmt::format("inertia of link '{}'", link.name),
-      fmt::format("is zero: taken as its shapes', as if they were filled, meshes as their boxes: "
-                  "{:.6g}, {:.6g}, {:.6g} kg m^2 about x, y, z",
+      fmt::format("is zero: taken as {}: {:.6g}, {:.6g}, {:.6g} kg m^2 about x, y, z", what,
                   (*I)(0, 0), (*I)(1, 1), (*I)(2, 2)));
 }
 
@@ -139,14 +149,19 @@ void fill_empty_inertia(Context& context, RobotLink& link) {
 void repair_inertias(Context& context, RobotModel& robot) {
   for (RobotLink& link : robot.links) {
     if (!link.inertia) continue;
-    fill_empty_inertia(context, link);
+    const int index = static_cast<int>(&link - robot.links.data());
+    const auto moves = [&](int RobotJoint::*end) {
+      return std::any_of(robot.joints.begin(), robot.joints.end(), [&](const RobotJoint& j) {
+        return j.*end == index && j.type != RobotJoint::Type::fixed;
+      });
+    };
+    fill_empty_inertia(context, link, moves(&RobotJoint::parent) && moves(&RobotJoint::child));
     RobotInertia& inertia = *link.inertia;
     Eigen::SelfAdjointEigenSolver<Mat3> solver(0.5 * (inertia.I + inertia.I.transpose()));
     if (solver.info() != Eigen::Success) continue;
     const Vec3& before = solver.eigenvalues();  // ascending
     Vec3 m = before;
-    // A point mass is legal in a file and singular in an engine: a ball of a hundredth of a millimetre.
-    const double least = std::max(1e-9 * std::abs(m[2]), 0.4 * inertia.mass * 1e-10);
+    const double least = std::max(1e-9 * std::abs(m[2]), least_moment(inertia.mass));
     for (int i = 0; i < 3; ++i) m[i] = std::max(m[i], least);
     const double violation = m[2] - m[0] - m[1];
     const double slack = 1e-12 * m[2];

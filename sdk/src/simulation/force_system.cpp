@@ -117,6 +117,7 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
   const WorldState& state = host.state();
   // Controllers have published since the frame of this step was made.
   const std::shared_ptr<Frame> frame = factors_.any() ? frames.latest(factors_.needs()) : nullptr;
+  if (frame) frame->time += ahead;
   sums_.assign(model->bodies.size(), Wrench());
   // Of a force or wind at this time.
   const auto factor = [&](std::size_t i) {

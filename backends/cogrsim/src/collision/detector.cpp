@@ -72,6 +72,11 @@ void Detector::set_pose(int body, const Placement& X_WB, double margin, const Ve
   }
 }
 
+void Detector::set_moves(int body, bool moves) {
+  for (int i = first_[std::size_t(body)]; i < first_[std::size_t(body) + 1]; ++i)
+    colliders_[std::size_t(i)].moves = moves;
+}
+
 void Detector::detect(std::vector<ContactPoint>& out, WorkerPool* pool) {
   out.clear();
   find_pairs();
@@ -133,6 +138,7 @@ void Detector::find_pairs() {
   for (Bounds& b : sorted_) {
     b.low = colliders_[std::size_t(b.collider)].low;
     b.high = colliders_[std::size_t(b.collider)].high;
+    b.moves = colliders_[std::size_t(b.collider)].moves;
   }
   const int axis = widest_axis(), second = (axis + 1) % 3, third = (axis + 2) % 3;
   sort_bounds(axis);

@@ -20,6 +20,8 @@ class Detector {
   /// `shift` of its origin [m] and `turn` [rad]: what the rest of the step will about add.
   void set_pose(int body, const Placement& X_WB, double margin, const Vec3& shift = Vec3::Zero(),
                 const Vec3& turn = Vec3::Zero());
+  /// Shapes of bodies of which neither moves are not tested.
+  void set_moves(int body, bool moves);
   /// Radius around the body's origin that holds all its shapes [m]; 0 without shapes.
   double bounding_radius(int body) const { return bounding_radii_[std::size_t(body)]; }
 

@@ -30,6 +30,7 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   }
   udot.setZero(m.state.nu());
   for (Component& c : m.components()) {
+    if (c.asleep) continue;
     local_.resize(std::size_t(c.size()));
     find_bias(m, c, local_.data());
     for (int k = 0; k < c.size(); ++k) {
@@ -50,7 +51,7 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
 void Accelerations::close(const Middle* middle, Values& udot) {
   Mechanism& m = mechanism_;
   for (Component& c : m.components()) {
-    if (c.welds.empty()) continue;
+    if (c.welds.empty() || c.asleep) continue;
     update_component(m, c);
     const std::size_t size = std::size_t(c.size());
     wanted_.resize(6 * c.welds.size());

@@ -51,6 +51,7 @@ struct Component {
   std::vector<Weld> welds;     ///< with some, `links` go tree by tree
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
   bool is_free_body = false;   ///< one free body: closed forms hold
+  bool asleep = false;         ///< its speeds are and stay 0, see sleep.h
   int offset = 0;              ///< of its degrees of freedom in arrays over all components
   int size() const { return int(speeds.size()); }
   /// One beyond the last local degree of freedom of a link at a position in `links`.

@@ -64,7 +64,7 @@ class Island::NewtonProblem {
     for (const NormalBlock& block : island.normal_blocks_)
       for (int i = 0; i < block.count; ++i)
         for (int k = 0; k < block.count; ++k)
-          A_(block.row[i], block.row[k]) -= block.mean_compliance;
+          A_(block.row[i], block.row[k]) -= block.gamma * block.share[i] * block.share[k];
   }
 
   const Vector& start() const { return start_; }

@@ -80,18 +80,22 @@ double across(const FreeIslandGroup& g, int i, int k) {
 void FreeBodyIsland::add_normal_block() {
   FreeIslandGroup& g = groups_.back();
   Eigen::Matrix4d response = Eigen::Matrix4d::Identity();
-  const double shared = ::cogrsim::dynamics::NormalBlock::kMeanShare * g.gamma[0] / g.count;
   NormalBlock block;
-  block.mean_compliance = Four{};
+  block.gamma = ::cogrsim::dynamics::NormalBlock::kFree * g.gamma[0];
+  Eigen::Vector4d share = Eigen::Vector4d::Zero();
+  for (int i = 0; i < g.count; ++i) share[i] = impulses_.back().lambda[i];
+  share = load_shares(share, g.count);
   for (int i = 0; i < g.count; ++i) {
-    for (int k = 0; k < i; ++k) response(i, k) = response(k, i) = across(g, i, k) - shared;
-    response(i, i) = impulses_.back().diagonal[i] + g.gamma[i] - shared;
-    block.mean_compliance[i] = shared;
+    const double shared = block.gamma * share[i];
+    for (int k = 0; k < i; ++k)
+      response(i, k) = response(k, i) = across(g, i, k) - shared * share[k];
+    response(i, i) = impulses_.back().diagonal[i] + g.gamma[i] - shared * share[i];
     g.inverse[i] = 1.0 / response(i, i);
   }
   const Eigen::Matrix4d inverse = response.inverse();
   g.kind = FreeIslandGroup::Kind::normal_block;
   g.normal_block = int(normal_blocks_.size());
+  block.share = Four{share[0], share[1], share[2], share[3]};
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 4; ++k) {
       block.A[i][k] = response(k, i);

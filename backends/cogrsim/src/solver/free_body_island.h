@@ -73,7 +73,8 @@ class FreeBodyIsland {
  public:
   struct alignas(32) NormalBlock {
     Four A[4], A_inverse[4];
-    Four mean_compliance;
+    Four share;          // w
+    double gamma = 0.0;  // see NormalBlock
   };
 
   /// `bodies`: components by their index in `speeds`, six each.

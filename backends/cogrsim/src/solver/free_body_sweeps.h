@@ -67,7 +67,8 @@ inline Four relax_normals(const FreeIslandGroup& g, const Four& lambda, Four r) 
 
 inline Four relax_normal_block(const FreeIslandGroup& g, const FreeBodyIsland::NormalBlock& block,
                                const Four& before, Four r, Four& change) {
-  r -= block.mean_compliance * ((before[0] + before[1]) + (before[2] + before[3]));
+  const Four along = block.share * before;
+  r -= block.gamma * ((along[0] + along[1]) + (along[2] + along[3])) * block.share;
   Four wanted = before - ((block.A_inverse[0] * r[0] + block.A_inverse[1] * r[1]) +
                           (block.A_inverse[2] * r[2] + block.A_inverse[3] * r[3]));
   if (wanted[0] < 0.0 || wanted[1] < 0.0 || wanted[2] < 0.0 || wanted[3] < 0.0) {

@@ -143,6 +143,14 @@ inline double relax_disc(Row& t1, Row& t2, double bound, double* v) {
 
 }  // namespace
 
+Eigen::Vector4d load_shares(const Eigen::Vector4d& loads, int count) {
+  Eigen::Vector4d share = loads.cwiseMax(0.0);
+  const double sum = share.sum();
+  share *= sum > 0.0 ? (1.0 - NormalBlock::kEqual) / sum : 0.0;
+  share.head(count).array() += (sum > 0.0 ? NormalBlock::kEqual : 1.0) / count;
+  return share.normalized();
+}
+
 void Island::clear() {
   RowSet::clear();
   components.clear();
@@ -250,8 +258,7 @@ double Island::relax_normal_block(const NormalBlock& block) {
     before[i] = row.lambda;
     residual[i] = row.bias + Rows::along(row, v.data()) + row.gamma * row.lambda;
   }
-  const double mean = block.mean_compliance * before.sum();
-  for (int i = 0; i < block.count; ++i) residual[i] -= mean;
+  residual -= block.gamma * block.share.dot(before) * block.share;
   Eigen::Vector4d wanted = before - block.A_inverse * residual;
   if (wanted.minCoeff() < 0.0) {
     constexpr int kPasses = 6;
@@ -279,9 +286,10 @@ double Island::relax_two_normals(const NormalBlock& block) {
   Row& two = rows[std::size_t(block.row[1])];
   const double a = block.A(0, 0), b = block.A(0, 1), d = block.A(1, 1);
   const double before1 = one.lambda, before2 = two.lambda;
-  const double mean = block.mean_compliance * (before1 + before2);
-  const double r1 = one.bias + Rows::along(one, v.data()) + one.gamma * before1 - mean;
-  const double r2 = two.bias + Rows::along(two, v.data()) + two.gamma * before2 - mean;
+  const double w1 = block.share[0], w2 = block.share[1];
+  const double shared = block.gamma * (w1 * before1 + w2 * before2);
+  const double r1 = one.bias + Rows::along(one, v.data()) + one.gamma * before1 - shared * w1;
+  const double r2 = two.bias + Rows::along(two, v.data()) + two.gamma * before2 - shared * w2;
   double l1 = before1 - (block.A_inverse(0, 0) * r1 + block.A_inverse(0, 1) * r2);
   double l2 = before2 - (block.A_inverse(0, 1) * r1 + block.A_inverse(1, 1) * r2);
   if (l1 < 0.0 || l2 < 0.0) {
@@ -341,9 +349,11 @@ void Island::make_normal_blocks() {
       block.A(i, i) = a.diagonal + a.gamma;
     }
     const double gamma = rows[std::size_t(block.row[0])].gamma;
-    block.mean_compliance = NormalBlock::kMeanShare * gamma / size;
-    for (int i = 0; i < size; ++i)
-      for (int k = 0; k < size; ++k) block.A(i, k) -= block.mean_compliance;
+    block.gamma = NormalBlock::kFree * gamma;
+    Eigen::Vector4d loads = Eigen::Vector4d::Zero();
+    for (int i = 0; i < size; ++i) loads[i] = rows[std::size_t(block.row[i])].lambda;
+    block.share = load_shares(loads, size);
+    block.A -= block.gamma * block.share * block.share.transpose();
     block.A_inverse = block.A.inverse();
     for (std::size_t i = first; i < end; ++i) contacts[i].in_normal_block = true;
     contacts[first].normal_block = contacts[end - 1].normal_block = int(normal_blocks_.size());

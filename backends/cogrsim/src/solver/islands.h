@@ -19,8 +19,9 @@
 // hit waits, without impulse, until it is. With friction Newton's law may add energy (Stronge, Impact mechanics, 2000):
 // then the impacts of the island bounce with the largest part of e, of 32, that adds none.
 //
-// Normal block: the normals of one resting pair. Point i yields to its load beyond the mean of the k
-// points: e = J v + b + gamma (l - sum l / k), so that A + gamma (1 - 1 1' / k) is inverted at once.
+// Normal block: the normals of one resting pair. Its points yield to what of their loads l is not shared among them
+// as in the step before, w (|w| = 1), mixed with equal shares: e = J v + b + gamma (1 - w w') l, so that
+// A + gamma (1 - w w') is inverted at once. What hangs over presses one side for ever, and does not sink there.
 #pragma once
 
 #include <Eigen/Dense>
@@ -42,15 +43,21 @@ struct SolverOptions {
 /// point yields little (see README).
 struct NormalBlock {
   static constexpr int kMost = 4;
-  /// Fraction of the mean load that causes no compliance. Less than 1: where joints hold the points, the
+  /// Fraction of the load along w that causes no compliance. Less than 1: where joints hold the points, the
   /// rest alone keeps the matrix regular.
-  static constexpr double kMeanShare = 1.0 - 1e-6;
+  static constexpr double kFree = 1.0 - 1e-6;
+  /// How much of w is equal shares: loads that only press the points against each other fade in as many steps.
+  static constexpr double kEqual = 0.02;
   int count = 0;
   int row[kMost] = {0, 0, 0, 0};
-  double mean_compliance = 0.0;                 ///< kMeanShare gamma / count [1/kg]
-  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();  ///< J W' + gamma 1 - mean_compliance 1 1'
+  double gamma = 0.0;                               ///< kFree gamma [1/kg]
+  Eigen::Vector4d share = Eigen::Vector4d::Zero();  ///< w
+  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();      ///< J W' + gamma 1 - kFree gamma w w'
   Eigen::Matrix4d A_inverse = Eigen::Matrix4d::Zero();
 };
+
+/// w of a normal block, from the loads of the step before.
+Eigen::Vector4d load_shares(const Eigen::Vector4d& loads, int count);
 
 /// Components that rows couple, and all their rows, those of joints first.
 class Island : public RowSet {

@@ -15,6 +15,9 @@ class Partition {
   void find(std::size_t components, const RowSet& joints, const std::vector<Manifold>& manifolds);
 
   std::size_t size() const { return std::size_t(count_); }
+  /// The first component of a component's island, itself if no other is coupled with it.
+  int first_of(int component) { return find(component); }
+  bool has_rows(int component) { return number_[std::size_t(find(component))] >= 0; }
 
   /// Indices of things by island, in their order.
   class ByIsland {

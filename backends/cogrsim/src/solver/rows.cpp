@@ -259,9 +259,18 @@ Row& RowBuilder::add_axis_row(const StepContext& context, int component, int loc
 
 void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<AxisLaw>& laws) {
   const SceneModel& model = mechanism_.model();
+  const auto sleeps = [this](int component) {
+    return component >= 0 && mechanism_.components()[std::size_t(component)].asleep;
+  };
+  const auto sleeps_at = [&](int joint) {
+    const int link = mechanism_.joint_link(joint);
+    return link >= 0 && sleeps(mechanism_.links()[std::size_t(link)].component);
+  };
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
-    if (joint.removed || mechanism_.joint_link(int(j)) < 0 || joint.axes.empty()) continue;
+    if (joint.removed || mechanism_.joint_link(int(j)) < 0 || joint.axes.empty() ||
+        sleeps_at(int(j)))
+      continue;
     if (joint.type == JointType::ball)
       add_ball_limit(context, int(j));
     else
@@ -269,9 +278,9 @@ void RowBuilder::add_joint_rows(const StepContext& context, const std::vector<Ax
     add_friction(context, int(j));
   }
   for (const AxisLaw& law : laws)
-    if (law.implicit) add_law(context, law);
+    if (law.implicit && !sleeps(law.component)) add_law(context, law);
   for (std::size_t i = 0; i < model.couplings.size(); ++i)
-    if (!model.couplings[i].removed) add_coupling(context, int(i));
+    if (!model.couplings[i].removed && !sleeps_at(model.couplings[i].joint)) add_coupling(context, int(i));
   for (int index : set_.scalars) {
     Row& row = set_.rows[std::size_t(index)];
     row.inverse = 1.0 / (row.diagonal + row.gamma);
