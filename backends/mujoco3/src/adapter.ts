@@ -6,6 +6,7 @@ import { MujocoWorld } from './world.ts';
 
 const kSoft = 'soft contact: rests in penetration, creeps under friction that should hold, bounces approximately';
 const kLoop = 'MuJoCo closes loops by points and welds: let a plain hinge, ball or fixed joint close it';
+const kSource = 'an explicit actuator with the gain that stops the axis in a step: lags by load over gain';
 const kHulls = 'MuJoCo has meshes as their convex hulls; use convex meshes';
 
 const kCapabilities: Record<string, Support> = {
@@ -35,8 +36,8 @@ const kCapabilities: Record<string, Support> = {
   'loop.fixed': ['approximate', 'a soft constraint, see solrefequality'],
   'loop.free': 'exact',
   'motor.*': 'exact',
-  'motor.velocity': ['approximate', 'an actuator of high gain: lags a little under load'],
-  'motor.position': ['approximate', 'an actuator of high gain: lags a little under load'],
+  'motor.velocity': ['approximate', kSource],
+  'motor.position': ['approximate', kSource],
   'contact.*': ['unsupported', "MuJoCo's contacts yield by acceleration and have no velocity of surfaces"],
   'contact.rolling-friction': ['approximate', 'one pyramid with sliding; creeps'],
   'contact.spinning-friction': ['approximate', 'one pyramid with sliding; creeps'],

@@ -1,16 +1,14 @@
 // Motors as MuJoCo's actuators, whose gains are given in each step.
-import type { MjData, MjModel } from './engine.ts';
+import { type MjData, type MjModel, mujoco } from './engine.ts';
 import type { Program } from './mjcf.ts';
 import type { Scene } from './cogrsim_backend.mjs';
-
-/** Gain of a source of speed over that which stops its axis in a step. */
-const kRigid = 1e3;
 
 interface Actuator {
   motor: number;
   dof: number;
   q: number; // index into qpos
   response: number; // acceleration by effort [1/(kg m^2) or 1/kg], in the reference configuration
+  crowd: number; // what all axes with gains move it together, over its own response
   bound: -1 | 0 | 1; // taken to be at this bound of its effort
   law?: { effort: number; damping: number; most: number }; // of a stiff one: effort - damping u, at the end of the step
 }
@@ -19,22 +17,36 @@ export class Drives {
   readonly all: Actuator[] = [];
   readonly damping: Float64Array; // of the axes by themselves, by dof
 
-  readonly #crowd: number; // axes with gains, which may all push one body
-
   constructor(
     scene: Scene,
     program: Program,
     model: MjModel,
+    data: MjData,
     readonly isExplicit: boolean, // integrator: it has no damping implicit
   ) {
     this.damping = Float64Array.from(model.dof_damping as Float64Array);
-    this.#crowd = scene.motors.filter(motor => !motor.removed && motor.mode !== 'torque').length || 1;
     program.motors.forEach((actuator, motor) => {
       if (actuator < 0) return;
       const joint = model.actuator_trnid[2 * actuator];
       const dof = model.jnt_dofadr[joint];
-      this.all[actuator] = { motor, dof, q: model.jnt_qposadr[joint], response: model.dof_invweight0[dof], bound: 0 };
+      const response = model.dof_invweight0[dof];
+      this.all[actuator] = { motor, dof, q: model.jnt_qposadr[joint], response, crowd: 1, bound: 0 };
     });
+    this.#findCrowds(scene, model, data);
+  }
+
+  #findCrowds(scene: Scene, model: MjModel, data: MjData): void {
+    const others = this.all.filter(it => scene.motors[it.motor].mode !== 'torque');
+    if (others.length < 2) return;
+    for (const find of [mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_crb, mujoco.mj_factorM]) find(model, data);
+    const [column, unit] = [new mujoco.DoubleBuffer(model.nv), new Float64Array(model.nv)];
+    for (const it of others) {
+      unit.fill(0)[it.dof] = 1;
+      mujoco.mj_solveM(model, data, column, unit as unknown as number[]);
+      const moved = column.GetView() as Float64Array;
+      it.crowd = others.reduce((sum, k) => sum + Math.abs(moved[k.dof]) / Math.sqrt(it.response * k.response), 0);
+    }
+    column.delete();
   }
 
   /** Before a step; `numbers` has six for each motor. */
@@ -48,11 +60,13 @@ export class Drives {
     damping.set(this.damping);
     this.all.forEach((it, a) => {
       const [effort, kp0, position, kd0, velocity, most] = numbers.subarray(6 * it.motor, 6 * it.motor + 6);
-      // What stops the axis in a step, and is stable by itself.
-      const stops = 1 / (dt * it.response * this.#crowd);
+      // What stops the axis in a step, and is stable: half of it beside many.
+      const stops = 1 / (dt * it.response);
       let kp = kp0;
-      let kd = kd0 === Infinity ? (this.isExplicit ? stops : kRigid / (dt * it.response)) : kd0;
-      let share = (kd + (dt * kp) / 2) / stops;
+      // A source of speed is explicit: from more gain the contacts of what it drives would meet a thrust that
+      // is taken back at the end of the step.
+      let kd = kd0 === Infinity ? Math.min(1, 1.5 / it.crowd) * stops : kd0;
+      let share = kd0 === Infinity ? 1 : ((kd + (dt * kp) / 2) * it.crowd) / stops;
       if (share > 1 && this.isExplicit) {
         [kp, kd] = [kp / share, kd / share];
         share = 1;

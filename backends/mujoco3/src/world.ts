@@ -101,7 +101,7 @@ export class MujocoWorld implements World {
     }
     this.#setMeanInertia();
     this.#data = new mujoco.MjData(model);
-    this.#drives = new Drives(scene, this.#program, model, scene.options.integrator === 'RK4');
+    this.#drives = new Drives(scene, this.#program, model, this.#data, scene.options.integrator === 'RK4');
     this.#force = new mujoco.DoubleBuffer(6);
     this.#efforts = new mujoco.DoubleBuffer(Math.max(1, model.nv));
     this.#hasStepped = false;
