@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../support/environment.h"
+#include "policy/policy_support.h"
 #include "process.h"
 
 using Catch::Contains;
@@ -77,6 +78,7 @@ class SilentStore {
 // What all commands read, made once.
 struct Inputs {
   TemporaryFolder folder;
+  cogrsim::test::PolicyFolder policy;
   std::string scene = folder / "yard.scene.xml", run = folder / "long.mcap",
               brief = folder / "brief.mcap", package = folder / "yard-1.0.0.cogrsim.zip",
               robot = folder / "yard.urdf", programs = folder / "programs";
@@ -348,6 +350,7 @@ const std::vector<Case>& cases() {
        }},
       {"import", {"import", "ROBOT"}, prints, nothing},
       {"export", {"export", "SCENE", "-o", "-", "--format", "mjcf"}, prints, nothing},
+      {"policy", {"policy", "check", "CARD"}, prints, nothing},
       {"plugins", {"plugins"}, prints, nothing},
       {"doctor", {"doctor"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},
@@ -395,6 +398,7 @@ Outcome interrupt(const Case& c, const Attempt& attempt, int signal) {
     if (argument == "LONG") argument = attempt.in.run;
     if (argument == "BRIEF") argument = attempt.in.brief;
     if (argument == "PACKAGE") argument = attempt.in.package;
+    if (argument == "CARD") argument = attempt.in.policy.path("arm.policy.yaml");
     if (argument == "STORE") argument = attempt.store.address();
     if (argument[0] != '@') continue;
     argument = attempt / argument.substr(1);

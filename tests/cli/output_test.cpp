@@ -13,6 +13,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "policy/policy_support.h"
 #include "process.h"
 
 using Catch::Contains;
@@ -34,6 +35,7 @@ Outcome with_toys(Arguments arguments) {
 // A folder with one of each: a scene, a recording, a figure, a snapshot, a package.
 struct Inputs {
   TemporaryFolder folder;
+  cogrsim::test::PolicyFolder policy;
   std::string scene = folder / "a.scene.xml", recorded = folder / "b.scene.xml",
               run = folder / "run.mcap", figure = folder / "figure.json", snap = folder / "a.snap",
               package = folder / "a-1.0.0.cogrsim.zip", robot = folder / "a.urdf",
@@ -65,8 +67,15 @@ struct Inputs {
   }
 
   std::vector<std::pair<std::string, std::string>> by_argument() const {
-    return {{"SCENE", scene}, {"RECORDED", recorded}, {"RUN", run},     {"FIGURE", figure},
-            {"SNAP", snap},   {"PACKAGE", package},   {"ROBOT", robot}, {"FLIGHT", without_meshes}};
+    return {{"SCENE", scene},
+            {"RECORDED", recorded},
+            {"RUN", run},
+            {"FIGURE", figure},
+            {"SNAP", snap},
+            {"PACKAGE", package},
+            {"ROBOT", robot},
+            {"FLIGHT", without_meshes},
+            {"CARD", policy.path("arm.policy.yaml")}};
   }
 
   // With the files that a scene or a robot names.
@@ -115,6 +124,7 @@ const std::vector<Case>& cases() {
       {"-o,--output", "/", {"plot", "RUN", "--format", "svg", "-o", "OUT"}},
       {"--extract", "/", {"info", "RUN", "--extract", "OUT"}},
       {"--json", ".json", {"replay", "RUN", "--json", "OUT"}},
+      {"--json", ".json", {"policy", "run", "CARD", "-b", "cogrsim", "-d", "0.1", "--json", "OUT"}},
       {"--csv", "/", {"replay", "RUN", "--csv", "OUT"}},
       {"-o,--output", "/", {"replay", "RUN", "--render", "top", "--at", "0.05", "-o", "OUT"}},
       {"-o,--output", "/", {"sweep", "SCENE", "--seeds", "1", "--backends", "toy", "-o", "OUT"}},

@@ -23,6 +23,7 @@
 #include "common/terminal.h"
 #include "import/export_command.h"
 #include "import/import_command.h"
+#include "policy/policy_command.h"
 #include "new/new_command.h"
 #include "render/picture_options.h"
 #include "replay/recording_options.h"
@@ -684,6 +685,7 @@ std::shared_ptr<CLI::App> command_table(const std::vector<AddCommands>& more, in
   for (const AddCommands add : more) add(app, status);
   add_new(app, status);
   add_import(app, status);
+  add_policy(app, status);
   add_export(app, status);
   add_small_ones(app, arguments, status);
   add_table_pages(app, arguments, status);

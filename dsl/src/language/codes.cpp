@@ -11,7 +11,8 @@ const std::vector<CodeInfo>& code_catalog() {
   static const std::vector<CodeInfo> catalog = [] {
     std::vector<CodeInfo> all;
     for (const auto& part :
-         {language_codes(), scene_codes(), test_codes(), event_codes(), maze_codes(), import_codes()})
+         {language_codes(), scene_codes(), test_codes(), event_codes(), maze_codes(), import_codes(),
+          policy_codes()})
       all.insert(all.end(), part.begin(), part.end());
     std::sort(all.begin(), all.end(),
               [](const CodeInfo& a, const CodeInfo& b) { return std::strcmp(a.code, b.code) < 0; });

@@ -20,5 +20,6 @@ std::vector<CodeInfo> event_codes();
 std::vector<CodeInfo> maze_codes();
 /// CG14 models in other formats.
 std::vector<CodeInfo> import_codes();
+std::vector<CodeInfo> policy_codes();
 
 }  // namespace cogrsim::dsl

@@ -87,6 +87,11 @@ double MotorHandle::max_voltage() const {
   return access_ ? motor_of(*access_, motor_).max_voltage : 0.0;
 }
 
+const std::string& MotorHandle::joint() const {
+  static const std::string none;
+  return access_ ? access_->port->model()->joints[at(motor_of(*access_, motor_).joint)].name : none;
+}
+
 double MotorHandle::lower() const {
   const JointAxis* axis =
       access_ ? driven_axis(*access_->port->model(), motor_of(*access_, motor_)) : nullptr;

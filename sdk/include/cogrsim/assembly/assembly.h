@@ -42,6 +42,8 @@ class COGRSIM_API MotorHandle {
   /// Limits of the driven joint axis [rad] or [m]; -infinity and infinity: none.
   double lower() const;
   double upper() const;
+  /// Dotted name of the driven joint; "" for a handle of no motor.
+  const std::string& joint() const;
   /// Whether the handle refers to a motor.
   bool valid() const { return access_ != nullptr; }
 
