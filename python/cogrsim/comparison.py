@@ -133,7 +133,8 @@ def compare(scene, backends=(), *, seeds=(), duration=None, step=None, shake=Non
     """Run a scene on several engines side by side: a Comparison.
 
     scene: path of a scene file, or a Scene compiled from one. backends: names, also with options; the first
-    is the reference; empty: all. seeds: repetitions. duration, step: [s]; None: those of the scene. shake:
+    is the reference; empty: those in libraries; ["all"]: also those in processes of their own, but for what cannot
+    run the scene, which is in data["diagnostics"]. seeds: repetitions. duration, step: [s]; None: those of the scene. shake:
     largest random displacement of the start of each repetition [m]. threshold: "5mm,2deg". without: features of the
     scene that are left out, such as ["couplings"]; ["lacking"]: of each engine what it lacks.
     Runs the program `cogrsim compare`, so controllers in Python are not available in it.

@@ -103,7 +103,8 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
 
     Keys as `cogrsim test --format json` has them: scene, test, backends, seed, status ("passed", "failed",
     "error": the scene does not compile, …),
-    message, verdicts, … Raises Error: no tests could be run, or none has `filter` in its name.
+    message, verdicts, … backends: empty: the test's, else those in libraries; ["all"]: also those in processes of
+    their own, but for what cannot run the scene. Raises Error: no tests could be run, or none has `filter` in its name.
     """
     if isinstance(scenes, (str, os.PathLike, _cogrsim.Scene)):
         scenes = [scenes]
@@ -133,7 +134,7 @@ def sweep(scene, vary=None, *, backends=(), seeds=(), measure=None, until=None, 
     """Run a scene many times: a structured array with one row per run, the columns of results.csv.
 
     vary: values by <param>, as a list or a text such as "3cm..5cm:5"; several make a grid. measure: numbers by
-    name, "SIGNAL@TAKE". output: folder of the study, which is continued if it is there; None: not kept.
+    name, "SIGNAL@TAKE". backends: empty: the scene's; ["all"]: those that run the scene. output: folder of the study, which is continued if it is there; None: not kept.
     Raises Error with what the program printed.
     """
     import numpy

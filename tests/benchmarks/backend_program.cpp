@@ -254,7 +254,7 @@ int compile(int count) {
 int list() {
   PluginLoader loader;
   for (const PluginPtr& plugin : loader.all()) {
-    if (plugin->descriptor().kind == PluginKind::backend) {
+    if (plugin->descriptor().kind == PluginKind::backend && !plugin->is_program()) {
       fmt::print("{}\n", plugin->descriptor().name);
     }
   }

@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
                "world steps/s", "beside a plain loop", "efficiency", "reset [us]");
   }
   for (const PluginPtr& plugin : loader->all()) {
-    if (plugin->descriptor().kind != PluginKind::backend) continue;
+    if (plugin->descriptor().kind != PluginKind::backend || plugin->is_program()) continue;
     const std::string& backend = plugin->descriptor().name;
     for (const Subject& subject : subjects()) {
       const Measured m = measure(subject, backend, worlds, threads, rounds, loader);

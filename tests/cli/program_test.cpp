@@ -358,6 +358,52 @@ TEST_CASE("options of a backend that lacks what it needs say what, and how to ge
   CHECK_THAT(check("<physics><ghots/></physics>", "").out, Contains("unknown element <ghots>"));
 }
 
+TEST_CASE("all backends are those that run the scene, and a comparison says which do not",
+          "[cli][program]") {
+  const TemporaryFolder folder;
+  for (const auto& [name, program] : {std::pair("ghost", "no_such_program"), {"idle", "true"}}) {
+    std::filesystem::create_directory(folder / name);
+    std::ofstream(folder / (name + std::string("/backend.json")))
+        << R"({"name": ")" << name << R"(", "engine": "E", "protocol": 1, "command": [")" << program
+        << "\"]}";
+  }
+  const auto compare = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"compare", kScenes + "/hinged.scene.xml", "--duration", "0.01",
+                               "--plugin-path", folder / "", "--json", folder / "c.json"});
+    const Outcome outcome = with_toys(more);
+    INFO(outcome.err);
+    CHECK(outcome.status == 0);
+    return outcome.err;
+  };
+  const std::string all = compare({"--backends", "all"});
+  CHECK_THAT(all, Contains("'ghost' is left out") && Contains("no_such_program is not installed"));
+  CHECK_THAT(all, Contains("'idle' is left out") && Contains("ended its process"));
+  CHECK_THAT(all, Contains("'toy' is left out"));
+  const json result = json::parse(read_file(folder / "c.json"));
+  CHECK(result["runs"].size() >= 2);
+  std::string notes;
+  for (const json& note : result["diagnostics"]) notes += note["message"].get<std::string>();
+  CHECK_THAT(notes, Contains("'ghost' is left out"));
+  // Those that are named come first, and once.
+  compare({"--backends", "cogrsim,all"});
+  const json named = json::parse(read_file(folder / "c.json"));
+  CHECK(named["runs"][0]["backend"] == "cogrsim");
+  CHECK(named["runs"].size() == result["runs"].size());
+}
+
+TEST_CASE("a comparison without names takes the backends in libraries", "[cli][program]") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "idle");
+  std::ofstream(folder / "idle/backend.json")
+      << R"({"name": "idle", "engine": "E", "protocol": 1, "command": ["true"]})";
+  const Outcome outcome = with_toys({"compare", kFlight, "--duration", "0.01", "--plugin-path",
+                                     folder / "", "--json", folder / "c.json"});
+  CHECK(outcome.status == 0);
+  const json result = json::parse(read_file(folder / "c.json"));
+  for (const json& run : result["runs"]) CHECK(run["backend"] != "idle");
+  CHECK_THAT(with_toys({"run", kFlight, "--backend", "all"}).err, Contains("cogrsim compare"));
+}
+
 TEST_CASE("a backend that cannot do what the scene needs says where", "[cli][program]") {
   const std::string scene = kScenes + "/hinged.scene.xml";
   const Outcome run = with_toys({"run", scene, "--backend", "toy"});

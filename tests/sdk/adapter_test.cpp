@@ -1,4 +1,5 @@
 // Backends that are programs of their own: found, described, stepped, and named when they fail.
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "../support/temporary_folder.h"
@@ -286,6 +288,28 @@ TEST_CASE("a wrong backend.json names its fault and the remedy", "[adapter]") {
   loader.all(&refused);
   REQUIRE(refused.size() >= 1);
   CHECK_THAT(refused[0].reason, Contains(says));
+  CHECK(refused[0].unavailable == (remedy == std::string("install it") ? "rascal" : ""));
+}
+
+TEST_CASE("an adapter reaches its own folder, those of the system, and what its file names",
+          "[adapter]") {
+  if (::syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) < 1) {
+    WARN("this kernel has no Landlock: files are not confined");
+    return;
+  }
+  const auto reached = [](const std::string& more) {
+    const Rascals rascals("reach all");
+    std::string manifest = kManifest;
+    manifest.insert(
+        1, more.empty() ? "" : fmt::format(R"("{}": ["{}"], )", more, rascals.path.string()));
+    rascals.write("rascal/backend.json", manifest);
+    const auto backend = rascals.backend();
+    return backend ? std::string((*backend)->engine_version()) : backend.error().text();
+  };
+  // Its own folder, the folder above, a file there, a socket, its watchdog, the system's.
+  CHECK(reached("") == "done EACCES EACCES EACCES done done");
+  CHECK(reached("reads") == "done done EACCES EACCES done done");
+  CHECK(reached("writes") == "done done done EACCES done done");
 }
 
 TEST_CASE("two backends of one name in one folder are an error", "[adapter]") {

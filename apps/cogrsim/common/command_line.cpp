@@ -115,6 +115,10 @@ std::vector<RunOptions::Save> saves_from(const std::vector<std::string>& argumen
 
 RunOptions run_from(const Arguments& arguments) {
   RunOptions options;
+  if (arguments.backend == "all") {
+    throw UsageError("--backend", Problem("a run has one backend", "",
+                                          "all of them are for cogrsim compare --backends all"));
+  }
   options.scene = scene_from(arguments);
   options.backend = arguments.backend;
   if (arguments.steps.size() > 1) {
@@ -175,9 +179,9 @@ CompareCommandOptions compare_from(const Arguments& arguments) {
     for (const std::string& choice : split_backend_choices(list))
       options.backends.push_back(choice);
   }
-  if (!arguments.backends.empty() && options.backends.size() < 2) {
+  if (options.backends.size() == 1 && options.backends.front() != "all") {
     throw UsageError("--backends", Problem("a comparison needs at least two", "",
-                                           "write them with commas: --backends A,B"));
+                                           "write them with commas: --backends A,B, or all"));
   }
   for (const std::string& list : arguments.steps) {
     for (const std::string& argument : split(list, ',')) {
@@ -394,7 +398,8 @@ void add_compare(CLI::App& app, Arguments& arguments, int& status) {
   add_scene_options(command, arguments);
   command
       .add_option("-b,--backends", arguments.backends,
-                  "Backends, with commas; the first is the reference; default: all of them")
+                  "Backends, with commas; the first is the reference; default: those in libraries; "
+                  "'all': also those in processes of their own, but for what cannot run the scene")
       ->type_name("A,B")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

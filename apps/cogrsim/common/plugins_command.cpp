@@ -47,7 +47,7 @@ Inventory take_inventory(const std::vector<std::string>& plugin_paths) {
     if (entry.descriptor.kind == PluginKind::backend) {
       auto backend = loader.backend(entry.descriptor.name);
       if (!backend) {
-        inventory.refused.push_back({plugin->path(), backend.error().message});
+        inventory.refused.push_back({plugin->path(), backend.error().message, ""});
         continue;
       }
       entry.backend = *backend;
@@ -155,8 +155,7 @@ std::string inventory_text(const Inventory& inventory, const Style& style) {
     out += "\n";
   }
   for (const RefusedPlugin& refused : inventory.refused) {
-    // What a backend in another program lacks is installed or not: nothing is wrong with it.
-    const bool lacks = refused.reason.find(" needs what is not there: ") != std::string::npos;
+    const bool lacks = !refused.unavailable.empty();
     out += fmt::format("{}{}{} {}\n    {}\n\n", lacks ? style.cyan : style.red,
                        lacks ? "not available" : "refused", style.off, one_line(refused.path),
                        paragraph(refused.reason));
@@ -231,7 +230,10 @@ Json to_json(const Inventory& inventory) {
   }
   Json refused = Json::array();
   for (const RefusedPlugin& item : inventory.refused) {
-    refused.push_back({{"path", item.path}, {"reason", item.reason}});
+    refused.push_back(
+        {{"path", item.path},
+         {"reason", item.reason},
+         {"unavailable", item.unavailable.empty() ? Json() : Json(item.unavailable)}});
   }
   return {{"plugins", std::move(plugins)},
           {"refused", std::move(refused)},

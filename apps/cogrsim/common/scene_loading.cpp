@@ -1,6 +1,7 @@
 #include "common/scene_loading.h"
 
 #include <unistd.h>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -55,6 +56,53 @@ LoadedScene load_scene(const SceneOptions& options) {
 
 std::vector<std::string> installed_backends(const std::shared_ptr<PluginLoader>& loader) {
   return dsl::LoaderCatalog(loader).names(PluginKind::backend);
+}
+
+std::vector<std::string> library_backends(const std::shared_ptr<PluginLoader>& loader) {
+  std::vector<std::string> out;
+  for (const PluginPtr& plugin : loader->all())
+    if (plugin->descriptor().kind == PluginKind::backend && !plugin->is_program())
+      out.push_back(plugin->descriptor().name);
+  return out;
+}
+
+std::vector<std::string> expand_all(const std::vector<std::string>& asked,
+                                    const std::vector<std::string>& without, LoadedScene& scene) {
+  std::vector<std::string> out = asked;
+  const auto end = std::remove(out.begin(), out.end(), "all");
+  if (end == out.end()) return asked;
+  out.erase(end, out.end());
+  std::vector<Diagnostic> notes;
+  const auto leave_out = [&](const std::string& name, const std::string& reason) {
+    Diagnostic& note = notes.emplace_back();
+    note.severity = Severity::note;
+    note.message = fmt::format("of all backends '{}' is left out: {}", name, reason);
+  };
+  std::vector<RefusedPlugin> refused;
+  for (const PluginPtr& plugin : scene.loader->all(&refused)) {
+    const PluginDescriptor& about = plugin->descriptor();
+    if (about.kind != PluginKind::backend || std::count(out.begin(), out.end(), about.name) > 0)
+      continue;
+    SimulationOptions trial;
+    trial.backend = about.name;
+    trial.without = without;
+    if (const auto made = Simulation::create(scene.model, trial, scene.loader)) {
+      out.push_back(about.name);
+      continue;
+    } else {
+      const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
+      const auto& found = made.error();
+      const auto first = std::find_if(found.begin(), found.end(), is_error);
+      const auto rest = std::count_if(found.begin(), found.end(), is_error) - 1;
+      leave_out(about.name, (first == found.end() ? "it cannot be created" : first->message) +
+                                (rest > 0 ? fmt::format(", and {} more", rest) : ""));
+    }
+  }
+  for (const RefusedPlugin& one : refused)
+    if (!one.unavailable.empty()) leave_out(one.unavailable, one.reason);
+  print_diagnostics(notes);
+  scene.diagnostics.insert(scene.diagnostics.end(), notes.begin(), notes.end());
+  return out;
 }
 
 double duration_of(const SceneModel& model, const SceneOptions& options) {

@@ -26,6 +26,14 @@ LoadedScene load_scene(const SceneOptions& options);
 
 /// The names of all backends that the loader finds, sorted.
 std::vector<std::string> installed_backends(const std::shared_ptr<PluginLoader>& loader);
+/// Those in libraries, which every build has: where a command names none. Those in processes of their own
+/// are named, or meant by "all".
+std::vector<std::string> library_backends(const std::shared_ptr<PluginLoader>& loader);
+
+/// `asked` with all backends that run the scene in place of the word "all", behind those that are named.
+/// Which are left out, and why, is a note in the scene's diagnostics, and printed.
+std::vector<std::string> expand_all(const std::vector<std::string>& asked,
+                                    const std::vector<std::string>& without, LoadedScene& scene);
 
 /// The run's length [s]: the option, else the scene's own, else 10 s.
 double duration_of(const SceneModel& model, const SceneOptions& options);

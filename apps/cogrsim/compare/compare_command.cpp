@@ -34,11 +34,13 @@ std::string steps_problem(const std::vector<double>& steps) {
   return {};
 }
 
-// The backends asked for, else all that can be found, the scene's own first.
-std::vector<std::string> chosen_backends(const CompareCommandOptions& options,
-                                         const LoadedScene& scene) {
-  if (!options.backends.empty()) return options.backends;
-  std::vector<std::string> names = installed_backends(scene.loader);
+// The backends asked for, else those in libraries; of such lists the scene's own comes first.
+std::vector<std::string> chosen_backends(const CompareCommandOptions& options, LoadedScene& scene) {
+  const bool all = options.backends == std::vector<std::string>{"all"};
+  std::vector<std::string> names = options.backends.empty()
+                                       ? library_backends(scene.loader)
+                                       : expand_all(options.backends, options.scene.without, scene);
+  if (!options.backends.empty() && !all) return names;
   const auto own = std::find(names.begin(), names.end(), scene.model->physics.backend);
   if (own != names.end()) std::rotate(names.begin(), own, own + 1);
   return names;
@@ -218,6 +220,7 @@ int compare_command(const CompareCommandOptions& options) {
   if (!options.seeds.empty()) report.seed = options.seeds.front();
   if (options.chaos || options.shake > 0.0 || options.seeds.size() > 1) report.twin = kTwin;
   report.backends = chosen_backends(options, scene);
+  report.diagnostics = scene.diagnostics;
   if (report.backends.size() < 2) {
     const std::string problem =
         fmt::format("a comparison needs two backends, found {}",

@@ -101,7 +101,7 @@ void print_engines(const SceneModelPtr& model, const Loader& loader) {
   for (const MeshPtr& mesh : model->meshes)
     seconds += 1e-5 * static_cast<double>(mesh->triangles.size());
   bool all = true;
-  for (const std::string& name : installed_backends(loader)) {
+  for (const std::string& name : library_backends(loader)) {
     std::string verdict = tried(name, model, loader, seconds);
     if (verdict.empty()) verdict = "was not tried to the end, which takes long: cogrsim run does";
     all = all && verdict == "runs it";

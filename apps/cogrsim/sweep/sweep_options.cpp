@@ -185,7 +185,8 @@ void add_sweep(CLI::App& app, int& status) {
                   "Seeds, such as 1..100 or 1,5,9; default: the scene's")
       ->type_name("LIST");
   add_list(command, "-b,--backends", arguments->backends,
-           "Physics engines, with commas; default: the scene's", "A,B");
+           "Physics engines, with commas; default: the scene's; 'all': those that run the scene",
+           "A,B");
   add_list(command, "--measure", arguments->measures,
            "A number for the table: of a signal the last, min, max, mean or integral, of a "
            "condition the first time; beside the scene's <measure>s",

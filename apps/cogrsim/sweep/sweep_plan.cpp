@@ -196,6 +196,7 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
     }
     options.backends = {std::string((*simulation)->backend().name())};
   }
+  options.backends = expand_all(options.backends, options.scene.without, scene);
   for (const std::string& name : options.backends) {
     if (const auto found = scene.loader->backend(name); !found) return refused(found.error());
   }

@@ -58,14 +58,16 @@ Result<std::vector<std::string>> scene_files(const std::vector<std::string>& arg
 
 // The backends that both the test and the user select; an empty list selects all.
 std::vector<std::string> backends_of(const TestModel& test, const TestCommandOptions& options,
-                                     const LoadedScene& scene) {
+                                     LoadedScene& scene) {
   if (test.backends.empty())
-    return options.backends.empty() ? installed_backends(scene.loader) : options.backends;
+    return options.backends.empty() ? library_backends(scene.loader)
+                                    : expand_all(options.backends, options.without, scene);
+  const auto is_asked = [&](const std::string& name) {
+    return std::count(options.backends.begin(), options.backends.end(), name) > 0;
+  };
   std::vector<std::string> both;
   for (const std::string& name : test.backends)
-    if (options.backends.empty() ||
-        std::find(options.backends.begin(), options.backends.end(), name) != options.backends.end())
-      both.push_back(name);
+    if (options.backends.empty() || is_asked(name) || is_asked("all")) both.push_back(name);
   return both;
 }
 
@@ -91,7 +93,7 @@ void plan(const std::string& file, const TestCommandOptions& options,
   asked.scene = file;
   asked.set = options.set;
   asked.plugin_paths = options.plugin_paths;
-  const LoadedScene scene = load_scene(asked);
+  LoadedScene scene = load_scene(asked);
   if (!scene.model) {
     // A scene without a test, whose plugins are not there, is no failure.
     if (only_lacks_plugins(scene.diagnostics) && !asks_for_tests(file)) {
@@ -265,7 +267,10 @@ void add_test(CLI::App& app, int& status) {
       ->required()
       ->type_name("SCENE|FOLDER...");
   add_list(command, "--backends", arguments->backends,
-           "Physics engines; default: the test's, else all", "A,B");
+           "Physics engines; default: the test's, else those in libraries; 'all': also those in "
+           "processes of "
+           "their own, but for what cannot run the scene",
+           "A,B");
   command.add_option("--seeds", arguments->seeds, "Seeds; default: the test's, else the scene's")
       ->type_name("1..5|1,3");
   command

@@ -59,7 +59,7 @@ void take_manifest(const ManifestJson& json, AdapterManifest& out) {
   if (!json.is_object()) throw ManifestFault{"it is not a JSON object", ""};
   refuse_unknown(json, "a backend.json",
                  {"name", "engine", "version", "author", "summary", "protocol", "command", "needs",
-                  "patience"});
+                  "reads", "writes", "patience"});
   out.name = text_of(json, "name", true);
   if (!is_backend_name(out.name)) {
     throw ManifestFault{fmt::format("'{}' is not a name of a backend", out.name),
@@ -92,6 +92,20 @@ void take_manifest(const ManifestJson& json, AdapterManifest& out) {
                         "for example [\"node\", \"adapter.mjs\"]"};
   }
   out.command = command->get<std::vector<std::string>>();
+  for (const auto& [key, to] : {std::pair{"reads", &out.reads}, {"writes", &out.writes}}) {
+    const auto paths = json.find(key);
+    if (paths == json.end()) continue;
+    const auto is_path = [&](const ManifestJson& one) {
+      if (!is_text(one)) return false;
+      const auto& path = one.get_ref<const std::string&>();
+      return (path.rfind('/', 0) == 0 || path.rfind("~/", 0) == 0) &&
+             path.find('\n') == std::string::npos;
+    };
+    if (!paths->is_array() || !std::all_of(paths->begin(), paths->end(), is_path))
+      throw ManifestFault{fmt::format("'{}' must be a list of files and folders", key),
+                          "they begin with / or ~/"};
+    *to = paths->get<std::vector<std::string>>();
+  }
   const auto patience = json.find("patience");
   if (patience != json.end()) {
     if (!patience->is_number() || !(patience->get<double>() > 0.0))
@@ -113,19 +127,20 @@ void take_manifest(const ManifestJson& json, AdapterManifest& out) {
   }
 }
 
-bool is_on_path(const std::string& program) {
+}  // namespace
+
+std::string program_on_path(const std::string& program) {
   const char* path = std::getenv("PATH");
   const std::string list = path ? path : "/usr/local/bin:/usr/bin:/bin";
   for (std::size_t begin = 0, end; begin <= list.size(); begin = end + 1) {
     end = std::min(list.find(':', begin), list.size());
     const files::path file = files::path(list.substr(begin, end - begin)) / program;
     std::error_code error;
-    if (files::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0) return true;
+    if (files::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0)
+      return file.string();
   }
-  return false;
+  return "";
 }
-
-}  // namespace
 
 Result<AdapterManifest> read_adapter_manifest(const std::string& path) {
   const auto refuse = [&](const std::string& what, const std::string& hint) {
@@ -166,7 +181,8 @@ std::string missing_of(const AdapterManifest& manifest) {
   for (const AdapterManifest::Need& need : manifest.needs) {
     if (!need.program.empty()) {
       program_named = program_named || need.program == manifest.command.front();
-      if (!is_on_path(need.program)) add(need.program + " is not installed", need.install);
+      if (program_on_path(need.program).empty())
+        add(need.program + " is not installed", need.install);
     } else if (!files::exists(files::path(manifest.folder) / need.file, error)) {
       add(need.file + " is missing in " + manifest.folder, need.install);
     }
@@ -174,7 +190,7 @@ std::string missing_of(const AdapterManifest& manifest) {
   const std::string& program = manifest.command.front();
   if (program_named) return fmt::format("{}", fmt::join(missing, "; "));
   if (program.find('/') == std::string::npos) {
-    if (!is_on_path(program)) add(program + " is not installed", "");
+    if (program_on_path(program).empty()) add(program + " is not installed", "");
   } else if (const files::path file = files::path(manifest.folder) / program;
              ::access(file.c_str(), X_OK) != 0) {
     add(file.string() + " is not a program", "");

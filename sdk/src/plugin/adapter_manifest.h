@@ -28,6 +28,7 @@ struct AdapterManifest {
   std::string engine;                ///< "Rapier"
   std::vector<std::string> command;  ///< program first
   std::vector<Need> needs;
+  std::vector<std::string> reads, writes;  ///< files and folders outside of its own; "~/…": of the user
   double patience = 30.0;  ///< time after which an answer is given up [s]
 };
 
@@ -38,6 +39,9 @@ Result<AdapterManifest> read_adapter_manifest(const std::string& path);
 /// What is missing of the manifest's needs and its program, with the remedies: "node is not installed
 /// (apt install nodejs)"; empty: nothing. Starts no program.
 std::string missing_of(const AdapterManifest& manifest);
+
+/// The first program of this name on the PATH; empty: there is none.
+std::string program_on_path(const std::string& program);
 
 class Backend;
 

@@ -171,6 +171,7 @@ Plugin::Plugin(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Plugin::~Plugin() = default;
 const PluginDescriptor& Plugin::descriptor() const { return *impl_->descriptor; }
 const std::string& Plugin::path() const { return impl_->path; }
+bool Plugin::is_program() const { return fs::path(path()).filename() == kAdapterFile; }
 
 PluginLoader::PluginLoader(std::vector<std::string> extra_folders)
     : folders_(std::move(extra_folders)) {
@@ -458,7 +459,12 @@ std::vector<PluginPtr> PluginLoader::all(std::vector<RefusedPlugin>* refused) {
 std::vector<PluginPtr> PluginLoader::list(std::vector<RefusedPlugin>* refused_ones) {
   std::vector<PluginPtr> out;
   const auto refuse = [&](const std::string& path, std::string reason) {
-    if (refused_ones != nullptr) refused_ones->push_back({path, std::move(reason)});
+    if (refused_ones == nullptr) return;
+    refused_ones->push_back({path, std::move(reason), ""});
+    if (fs::path(path).filename() != kAdapterFile) return;
+    const auto manifest = read_adapter_manifest(path);
+    if (manifest && !missing_of(*manifest).empty())
+      refused_ones->back().unavailable = manifest->name;
   };
   for (const std::string& folder : folders_) {
     std::vector<std::string> found = libraries_in(folder);

@@ -22,6 +22,7 @@
 #include <thread>
 
 #include "process/child_process.h"
+#include "process/confinement.h"
 
 namespace cogrsim::watchdog {
 
@@ -84,6 +85,10 @@ void report_end(std::optional<CallChannel>& memory, const ProcessEnd& end) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   if (*command) {
     ::fcntl(kChannel, F_SETFD, 0);
+    if (const std::string first = *command; first.rfind(kConfined, 0) == 0) {
+      confine(Confinement::from(first.substr(std::strlen(kConfined))));
+      ++command;
+    }
     ::execvp(*command, command);
     std::fprintf(stderr, "cannot start '%s': %s\n", *command, std::strerror(errno));
     ::_exit(127);

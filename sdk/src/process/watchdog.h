@@ -11,6 +11,8 @@ namespace cogrsim::watchdog {
 inline constexpr int kChannel = 3;
 inline constexpr int kLink = 4;
 inline constexpr int kFirstFree = 10;
+/// Begins an argument before the command of the worker: what it may reach, see Confinement.
+inline constexpr const char* kConfined = "--confined=";
 
 /// Starts the worker, and waits for its end. The worker calls `serve` and ends with its return value,
 /// or becomes the program of `command`, which ends with a nullptr; it must, where the channel is a

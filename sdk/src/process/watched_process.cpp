@@ -109,6 +109,8 @@ Result<std::unique_ptr<WatchedProcess>> WatchedProcess::start(int channel, Optio
   const int link = moved_up(ends[1]);
   const int given = ::fcntl(channel, F_DUPFD_CLOEXEC, watchdog::kFirstFree);
   std::string path = controller_host_path();
+  if (options.confined)
+    options.command.insert(options.command.begin(), watchdog::kConfined + options.confined->text());
   std::vector<char*> arguments = {path.data()};
   for (std::string& argument : options.command) arguments.push_back(argument.data());
   arguments.push_back(nullptr);

@@ -13,10 +13,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cogrsim/core/result.h"
+#include "process/confinement.h"
 
 namespace cogrsim {
 
@@ -37,8 +39,9 @@ class WatchedProcess {
   struct Options {
     /// The worker's own program with its arguments; empty: the worker is a fork of the watchdog.
     std::vector<std::string> command;
-    std::string folder;  ///< in which it runs; empty: that of this process
-    int output = -1;     ///< descriptor of its standard output and error; -1: those of this process
+    std::string folder;                   ///< in which it runs; empty: that of this process
+    std::optional<Confinement> confined;  ///< of a command: what it may reach; none: all
+    int output = -1;  ///< descriptor of its standard output and error; -1: those of this process
     const char* what = "each controller";  ///< for errors: what needs the processes
   };
   /// Starts the program, which finds a copy of `channel` as watchdog::kChannel: shared memory, or a

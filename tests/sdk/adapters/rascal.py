@@ -1,9 +1,11 @@
 """An adapter that moves bodies along their velocities, and does what the file `fault` beside it says:
 "CALL WHAT", the call in which it misbehaves and how."""
 
+import errno
 import os
 import random
 import signal
+import socket
 import sys
 import threading
 import time
@@ -17,6 +19,14 @@ with open("fault", encoding="utf-8") as file:
 
 def send(content):
     os.write(3, content)
+
+
+def tried(what):
+    try:
+        what()
+    except OSError as error:
+        return errno.errorcode[error.errno]
+    return "done"
 
 
 def misbehave(call):
@@ -110,6 +120,11 @@ elif CALL == "note":
     Rascal.capabilities = {"joint.hinge": ["approximate", ""]}
 elif CALL == "reaction":
     Rascal.capabilities = {"report.joint_reaction": "exact"}
+elif CALL == "reach":
+    Rascal.version = " ".join([
+        tried(lambda: open("own", "w", encoding="utf-8").close()), tried(lambda: os.listdir("..")),
+        tried(lambda: open("../outside", "w", encoding="utf-8").close()), tried(socket.socket),
+        tried(lambda: os.kill(os.getppid(), 0)), tried(lambda: os.listdir("/usr"))])
 elif CALL == "soon":
     # At a random moment of some exchange or between two.
     after = random.Random(int(WHAT)).uniform(0.0, 0.02)

@@ -18,6 +18,8 @@ class COGRSIM_API Plugin {
  public:
   const PluginDescriptor& descriptor() const;
   const std::string& path() const;
+  /// Whether it stands for another program: a backend in a process of its own.
+  bool is_program() const;
   ~Plugin();
   struct Impl;
   explicit Plugin(std::unique_ptr<Impl> impl);
@@ -27,10 +29,13 @@ class COGRSIM_API Plugin {
 };
 using PluginPtr = std::shared_ptr<const Plugin>;
 
-/// A library that was found but rejected, and the reason.
+/// What was found but rejected, and the reason.
 struct RefusedPlugin {
   std::string path;
   std::string reason;
+  /// Name of a backend in another program with which nothing is wrong: something that it needs is not
+  /// installed. Empty: it is refused for another reason.
+  std::string unavailable;
 };
 
 /// Loads plugins by name. It searches NAME.so in the given folders, then in those of the

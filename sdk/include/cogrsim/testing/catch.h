@@ -49,7 +49,7 @@ using MatcherBase = Catch::MatcherBase<T>;
 
 namespace cogrsim::testing {
 
-/// Generator of the names of the available backends, or of those in the environment variable
+/// Generator of the names of the backends in libraries, or of those in the environment variable
 /// COGRSIM_TEST_BACKENDS ("bullet,cogrsim"), for GENERATE.
 inline Catch::Generators::GeneratorWrapper<std::string> backends() {
   std::vector<std::string> names;
@@ -60,7 +60,7 @@ inline Catch::Generators::GeneratorWrapper<std::string> backends() {
   } else {
     PluginLoader loader;
     for (const PluginPtr& plugin : loader.all())
-      if (plugin->descriptor().kind == PluginKind::backend)
+      if (plugin->descriptor().kind == PluginKind::backend && !plugin->is_program())
         names.push_back(plugin->descriptor().name);
   }
   if (names.empty()) FAIL("there is no backend; name its folder in COGRSIM_PLUGIN_PATH");

@@ -12,7 +12,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <limits>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -43,6 +45,54 @@ constexpr auto kBusy = std::chrono::microseconds(50);
 bool is_debugged() {
   const char* value = std::getenv("COGRSIM_DEBUG_BACKENDS");
   return value && *value != '\0' && std::strcmp(value, "0") != 0;
+}
+
+/// The folders of a system, from which every program reads; those of a program and of its language; and what
+/// the manifest adds. Its own folder is the adapter's to write in.
+Confinement confinement_of(const AdapterManifest& manifest) {
+  namespace files = std::filesystem;
+  Confinement out;
+  out.reads = {"/usr",
+               "/lib",
+               "/lib64",
+               "/lib32",
+               "/bin",
+               "/sbin",
+               "/opt",
+               "/etc",
+               "/proc",
+               "/sys",
+               "/dev",
+               "/nix",
+               "/run/current-system"};
+  out.writes = {manifest.folder, "/dev/null"};
+  const char* const home_text = std::getenv("HOME");
+  const files::path home = home_text ? home_text : "/";
+  out.reads.push_back(home / ".local/lib");
+  for (const char* const name :
+       {"PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV", "NODE_PATH", "LD_LIBRARY_PATH"}) {
+    const char* const list = std::getenv(name);
+    std::istringstream paths(list ? list : "");
+    for (std::string path; std::getline(paths, path, ':');)
+      if (!path.empty()) out.reads.push_back(path);
+  }
+  // "PREFIX/bin/program", and where it is linked to, with PREFIX, but never the home folder as that.
+  std::error_code error;
+  const std::string& named = manifest.command.front();
+  files::path program = named.find('/') == std::string::npos ? program_on_path(named) : named;
+  if (program.is_relative()) program = files::path(manifest.folder) / program;
+  for (const files::path& file : {program, files::canonical(program, error)}) {
+    if (file.empty()) continue;
+    out.reads.push_back(file.parent_path());
+    const files::path prefix = file.parent_path().parent_path();
+    const auto below = home.lexically_relative(prefix).string();
+    if (below.empty() || below.rfind("..", 0) == 0) out.reads.push_back(prefix);
+  }
+  for (const auto& [from, to] :
+       {std::pair{&manifest.reads, &out.reads}, {&manifest.writes, &out.writes}})
+    for (const std::string& path : *from)
+      to->push_back(path.rfind("~/", 0) == 0 ? home / path.substr(2) : files::path(path));
+  return out;
 }
 
 }  // namespace
@@ -104,6 +154,8 @@ Result<std::unique_ptr<AdapterProcess>> AdapterProcess::start(
       options.command.front().front() != '/')
     options.command.front() = manifest->folder + "/" + options.command.front();
   options.folder = manifest->folder;
+  // Whoever looks into an adapter with a debugger needs more.
+  if (!out->shows_output_) options.confined = confinement_of(*manifest);
   options.output = pipe_ends[1];
   options.what = what;
   auto process = WatchedProcess::start(ends[1], std::move(options));
