@@ -13,16 +13,24 @@ type Module = Awaited<ReturnType<typeof PhysX>>;
 type Load = (options: { wasmBinary: Uint8Array }) => Promise<Module>;
 
 /**
- * The package is a build for debugging: it checks each argument of each call back, which takes more time
- * than a step of a heap. Where all are integers and few, as those of contacts, they are passed as they are.
+ * The package is a build for debugging. It writes messages for checks that hold in each call, and takes each
+ * argument of a call back apart: more time than a step of a heap. Calls are made plainly, and so are those
+ * back whose arguments are few integers, as those of contacts.
  */
-const kCallBack = 'var runEmAsmFunction = (code, sigPtr, argbuf) => {';
-const kPlainly = `
-  let n = 0;
-  while (HEAPU8[sigPtr + n] === 105 || HEAPU8[sigPtr + n] === 112) ++n; // i, p
-  const i = argbuf >> 2;
-  if (n <= 4 && HEAPU8[sigPtr + n] === 0)
-    return ASM_CONSTS[code](HEAP32[i], HEAP32[i + 1], HEAP32[i + 2], HEAP32[i + 3]);`;
+const kPlainly = new Map([
+  [
+    'function createExportWrapper(name, nargs) {',
+    'let f; return (...args) => (f ??= wasmExports[name])(...args);',
+  ],
+  [
+    'var runEmAsmFunction = (code, sigPtr, argbuf) => {',
+    `let n = 0;
+     while (HEAPU8[sigPtr + n] === 105 || HEAPU8[sigPtr + n] === 112) ++n; // i, p
+     const i = argbuf >> 2;
+     if (n <= 4 && HEAPU8[sigPtr + n] === 0)
+       return ASM_CONSTS[code](HEAP32[i], HEAP32[i + 1], HEAP32[i + 2], HEAP32[i + 3]);`,
+  ],
+]);
 
 /** The package refuses Node.js: it runs in a context that looks like a page, with what it would fetch. */
 async function load(): Promise<Module> {
@@ -39,11 +47,11 @@ async function load(): Promise<Module> {
     document: { currentScript: null },
   });
   Object.assign(page, { window: page, self: page });
-  const source = fs
+  let source = fs
     .readFileSync(file, 'utf8')
     .replace(/export default PhysX;?/, 'globalThis.PhysX = PhysX;')
-    .replace(/import\.meta\.url/g, '"file:///page"')
-    .replace(kCallBack, kCallBack + kPlainly);
+    .replace(/import\.meta\.url/g, '"file:///page"');
+  for (const [where, plainly] of kPlainly) source = source.replace(where, `${where}\n${plainly}`);
   vm.runInContext(source, page);
   const wasmBinary = fs.readFileSync(path.join(path.dirname(file), 'physx-js-webidl.wasm'));
   return (page['PhysX'] as Load)({ wasmBinary });
