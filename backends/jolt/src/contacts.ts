@@ -44,7 +44,12 @@ function shapeOf({ shape }: Side, value: number): number {
  * Jolt has friction in the middle of the points of a manifold, and against turning about its normal: the
  * points share both, so that they have the same force and torque.
  */
-function* manifold(read: Reader, dt: number, sides: [Side, Side], shapes: [number, number]): Iterable<Contact> {
+function* manifold(
+  read: Reader,
+  dt: number,
+  sides: [Side, Side],
+  shapes: [number, number],
+): Iterable<Contact> {
   const count = read.short();
   const [one, two] = sides.map((side) => side.motion);
   const n = turn(two.q, read.vector());
@@ -56,7 +61,10 @@ function* manifold(read: Reader, dt: number, sides: [Side, Side], shapes: [numbe
     const p2 = plus(two.p, turn(two.q, read.vector()));
     return { at: scale(0.5, plus(p1, p2)), depth: dot(n, plus(p1, p2, -1)), lambda: read.float() };
   });
-  const middle = scale(1 / count, points.reduce<V3>((sum, { at }) => plus(sum, at), [0, 0, 0]));
+  const middle = scale(
+    1 / count,
+    points.reduce<V3>((sum, { at }) => plus(sum, at), [0, 0, 0]),
+  );
   const arms = points.map(({ at }) => cross(n, plus(at, middle, -1)));
   const spread = arms.reduce((sum, arm) => sum + dot(arm, arm), 0);
   for (const [i, { at, depth, lambda }] of points.entries()) {

@@ -10,16 +10,19 @@ export type { Jolt };
 /** Its memory is 128 MiB, and does not grow. */
 export const J = await Jolt();
 
-export const version = (
-  createRequire(import.meta.url)('jolt-physics/package.json') as { version: string }
-).version;
+export const version = (createRequire(import.meta.url)('jolt-physics/package.json') as { version: string })
+  .version;
 
 export const kStatic = 0; // layers
 export const kMoving = 1;
 
 // Wrappers that are filled anew for each call: Jolt copies what it takes.
 const pool = { v: new J.Vec3(), r: new J.RVec3(), q: new J.Quat() };
-const set = <T extends { Set(x: number, y: number, z: number): void }>(to: T, a: ArrayLike<number>, at: number): T => {
+const set = <T extends { Set(x: number, y: number, z: number): void }>(
+  to: T,
+  a: ArrayLike<number>,
+  at: number,
+): T => {
   to.Set(a[at], a[at + 1], a[at + 2]);
   return to;
 };

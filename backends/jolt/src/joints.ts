@@ -1,7 +1,18 @@
 // Joints of the scene as Jolt's constraints, and the drives on their axes.
 import { J, type Jolt, record, vec, xyz } from './engine.ts';
 import { Refusal, type Joint, type Scene } from './cogrsim_backend.mjs';
-import { conjugate, cross, dot, multiply, perpendicular, plus, scale, turn, type Q4, type V3 } from './math.ts';
+import {
+  conjugate,
+  cross,
+  dot,
+  multiply,
+  perpendicular,
+  plus,
+  scale,
+  turn,
+  type Q4,
+  type V3,
+} from './math.ts';
 
 /** Where a body is and how it moves, at its centre of mass. */
 export interface Motion {
@@ -37,7 +48,12 @@ export interface Frame {
 const turnedBy = (q: Q4, angle: number): Q4 => multiply(q, [Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)]);
 
 /** A constraint between two bodies, with a reference of its own that the caller releases. */
-function make(joint: Joint, bodies: [Jolt.Body, Jolt.Body], [F, M]: [Frame, Frame], zero: number): Jolt.Constraint {
+function make(
+  joint: Joint,
+  bodies: [Jolt.Body, Jolt.Body],
+  [F, M]: [Frame, Frame],
+  zero: number,
+): Jolt.Constraint {
   let settings: Jolt.TwoBodyConstraintSettings;
   switch (joint.type) {
     case 'hinge': {
@@ -261,7 +277,9 @@ class Axis {
   #impulse(): number {
     const [first] = this.#rows;
     const stop =
-      'GetTotalLambdaRotationLimits' in first ? first.GetTotalLambdaRotationLimits() : first.GetTotalLambdaPositionLimits();
+      'GetTotalLambdaRotationLimits' in first
+        ? first.GetTotalLambdaRotationLimits()
+        : first.GetTotalLambdaPositionLimits();
     return this.#rows.reduce((sum, row) => sum + row.GetTotalLambdaMotor(), stop);
   }
 
@@ -282,11 +300,7 @@ class Axis {
       } else {
         const n1 = perpendicular(axis1);
         const lambda = row.GetTotalLambdaPosition();
-        const side = plus(
-          scale(lambda.GetComponent(0), n1),
-          cross(axis1, n1),
-          lambda.GetComponent(1),
-        );
+        const side = plus(scale(lambda.GetComponent(0), n1), cross(axis1, n1), lambda.GetComponent(1));
         force = plus(force, side);
         torque = plus(torque, xyz(row.GetTotalLambdaRotation()));
       }
@@ -401,7 +415,10 @@ export class Joints {
       else if (joint.type === 'fixed') out.set(fixedReaction(made[0], dt), 6 * j);
       else {
         const lambda = xyz(J.castObject(made[0], J.PointConstraint).GetTotalLambdaPosition());
-        out.set(lambda.map((x) => x / dt), 6 * j);
+        out.set(
+          lambda.map((x) => x / dt),
+          6 * j,
+        );
       }
     });
   }

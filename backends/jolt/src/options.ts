@@ -7,9 +7,18 @@ const settings = new J.PhysicsSettings();
 
 /** Those of PhysicsSettings, by their members there. */
 const kSettings = {
-  mNumVelocitySteps: { type: 'integer', minimum: 2, maximum: 1000, description: 'iterations over velocities' },
+  mNumVelocitySteps: {
+    type: 'integer',
+    minimum: 2,
+    maximum: 1000,
+    description: 'iterations over velocities',
+  },
   mNumPositionSteps: { type: 'integer', minimum: 0, maximum: 1000, description: 'iterations over positions' },
-  mBaumgarte: { minimum: 0, maximum: 1, description: 'share of an error of position that is taken back in a step' },
+  mBaumgarte: {
+    minimum: 0,
+    maximum: 1,
+    description: 'share of an error of position that is taken back in a step',
+  },
   mSpeculativeContactDistance: { minimum: 0, unit: 'm', description: 'distance at which contacts begin' },
   mPenetrationSlop: { minimum: 0, unit: 'm', description: 'penetration that is not pushed out' },
   mMinVelocityForRestitution: { minimum: 0, unit: 'm/s', description: 'slower ones do not bounce' },
@@ -23,7 +32,9 @@ const names = Object.keys(kSettings) as Name[];
 
 /** mNumVelocitySteps is num-velocity-steps. */
 const optionOf = (member: string): string =>
-  member.replace(/^m/, '').replace(/[A-Z]/g, (letter, at: number) => (at > 0 ? '-' : '') + letter.toLowerCase());
+  member
+    .replace(/^m/, '')
+    .replace(/[A-Z]/g, (letter, at: number) => (at > 0 ? '-' : '') + letter.toLowerCase());
 /** Of a float: the shortest number that it stands for. */
 const plain = (value: number | boolean): number | boolean =>
   typeof value === 'number' ? Number(Math.fround(value).toPrecision(7)) : value;
@@ -35,7 +46,11 @@ const ofBody = (member: keyof Jolt.BodyCreationSettings & string, more: Partial<
 });
 
 export const kOptions: Option[] = [
-  ...names.map((name): Option => ({ name: optionOf(name), default: plain(settings[name]), ...kSettings[name] })),
+  ...names.map((name): Option => ({
+    name: optionOf(name),
+    default: plain(settings[name]),
+    ...kSettings[name],
+  })),
   ofBody('mLinearDamping', { minimum: 0, unit: '1/s', description: 'of all bodies' }),
   ofBody('mAngularDamping', { minimum: 0, unit: '1/s', description: 'of all bodies' }),
   ofBody('mMaxLinearVelocity', { minimum: 0, unit: 'm/s', description: 'no body moves faster' }),

@@ -115,7 +115,8 @@ export function shapeOf(scene: Scene, body: Body, com: V3): Jolt.Shape {
     whole.AddRef();
   } else {
     const turned = ({ type }: Shape): boolean => type === 'capsule' || type === 'cylinder';
-    const isPlain = parts.length === 1 && !turned(first.shape) && first.shape.X_BS.every((x, i) => x === (i === 3 ? 1 : 0));
+    const isPlain =
+      parts.length === 1 && !turned(first.shape) && first.shape.X_BS.every((x, i) => x === (i === 3 ? 1 : 0));
     const made = parts.map(({ shape, s }) => {
       const one = describe(scene, shape, most);
       one.SetUserData(s);

@@ -92,7 +92,9 @@ export class Surfaces {
     settings.mCombinedRestitution = surface.restitution;
     if (!isMoving(a) && !isMoving(b)) return;
     // Jolt wants the surface of 2 against that of 1.
-    const [u1, u2] = sides.map(({ shape, q }) => turn(q, turn(shape.X_BS.slice(3) as Q4, shape.surface_velocity)));
+    const [u1, u2] = sides.map(({ shape, q }) =>
+      turn(q, turn(shape.X_BS.slice(3) as Q4, shape.surface_velocity)),
+    );
     const u = plus(u2, u1, -1);
     settings.mRelativeLinearSurfaceVelocity.Set(...u);
   }
@@ -113,7 +115,9 @@ export class Surfaces {
     this.#failed = undefined;
     if (failed !== undefined) throw failed;
     if (this.#seen < kManifolds) return;
-    throw new Error(`Jolt has room for ${kManifolds} pairs of shapes that touch, and there are more: use fewer bodies`);
+    throw new Error(
+      `Jolt has room for ${kManifolds} pairs of shapes that touch, and there are more: use fewer bodies`,
+    );
   }
 
   free(): void {

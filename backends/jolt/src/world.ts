@@ -9,7 +9,20 @@ import {
   type StepInput,
   type World,
 } from './cogrsim_backend.mjs';
-import { J, type Jolt, kMoving, kStatic, needMemory, quat, record, replay, rvec, vec, wxyz, xyz } from './engine.ts';
+import {
+  J,
+  type Jolt,
+  kMoving,
+  kStatic,
+  needMemory,
+  quat,
+  record,
+  replay,
+  rvec,
+  vec,
+  wxyz,
+  xyz,
+} from './engine.ts';
 import { Joints, type Motion } from './joints.ts';
 import { cross, plus, turn, type Q4, type V3 } from './math.ts';
 import { setSettings } from './options.ts';
@@ -146,7 +159,10 @@ export class JoltWorld implements World {
     J.destroy(it);
     this.#bodies[b] = body;
     this.#numbers.set(body.GetID().GetIndexAndSequenceNumber(), b);
-    bodies.AddBody(body.GetID(), model.kind === 'static' ? J.EActivation_DontActivate : J.EActivation_Activate);
+    bodies.AddBody(
+      body.GetID(),
+      model.kind === 'static' ? J.EActivation_DontActivate : J.EActivation_Activate,
+    );
     if (model.kind !== 'static') this.#setTwist(b, state.twists, wxyz(body.GetRotation()));
   }
 
@@ -193,7 +209,9 @@ export class JoltWorld implements World {
     this.#dt = dt;
     this.#before = this.#motions;
     this.#readMotions();
-    const bad = this.#motions.findIndex(({ p, q, v, w }) => [...p, ...q, ...v, ...w].some((x) => !Number.isFinite(x)));
+    const bad = this.#motions.findIndex(({ p, q, v, w }) =>
+      [...p, ...q, ...v, ...w].some((x) => !Number.isFinite(x)),
+    );
     if (bad !== -1) throw new Diverged(`Jolt has no finite state of body '${scene.bodies[bad].name}'`, bad);
     this.#joints.read(motionOf);
   }
