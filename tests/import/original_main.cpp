@@ -1,4 +1,4 @@
-// How far a model in MJCF and its import run apart: see scripts/measure-original.
+// How far a model in MJCF or URDF and its import run apart: see scripts/measure-original.
 //
 //     cogrsim_original FILE [KEYFRAME] [SECONDS]
 //

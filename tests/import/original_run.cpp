@@ -24,6 +24,8 @@ struct Free {
   void operator()(mjData* d) const { mj_deleteData(d); }
 };
 
+bool is_urdf(const std::string& path) { return std::filesystem::path(path).extension() == ".urdf"; }
+
 /// Whether a name of the scene is that of the file: characters that a scene does not take are others,
 /// and a joint that is called as a body has an ending.
 bool is_named(const std::string& in_scene, const char* there) {
@@ -58,6 +60,8 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
   options.keyframe = keyframe;
   options.floor = false;
   options.refer = true;
+  // MuJoCo holds the root of a URDF, and reads no drives of it.
+  options.fixed_base = is_urdf(path);
   options.scene_folder = std::filesystem::absolute(path).parent_path().string();
   const dsl::ImportResult read = dsl::import_model(path, options);
   if (read.scene.empty()) return fail("import: " + dsl::to_text(read.diagnostics));
@@ -68,6 +72,7 @@ Result<SceneModelPtr> imported(const std::string& path, const std::string& keyfr
       dsl::compile_text(read.scene, options.scene_folder + "/imported.scene.xml", compile);
   if (!compiled.ok()) return fail("the imported scene: " + dsl::to_text(compiled.diagnostics));
   auto model = std::make_shared<SceneModel>(*compiled.model);
+  if (is_urdf(path)) model->motors.clear();
   for (Motor& motor : model->motors) {
     const std::string& joint = model->joints[std::size_t(motor.joint)].name;
     for (int a = 0; a < m.nu; ++a) {
@@ -119,6 +124,13 @@ Result<OriginalRun> run_beside_original(const std::string& path, const std::stri
       if (is_named(joint.name, name) && position_count(joint.type) == 1)
         joints[std::size_t(j)] = &joint;
     ++(joints[std::size_t(j)] ? out.joints : out.missing);
+  }
+  // A URDF has no start: both begin where the import does, within the limits.
+  const FramePtr first = (*simulation)->frame();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!joints[j] || !is_urdf(path)) continue;
+    d->qpos[m->jnt_qposadr[j]] =
+        first->state.joint_positions[std::size_t(joints[j]->position_offset)];
   }
   for (int step = 0; step < out.steps; ++step) {
     mj_step(m.get(), d.get());

@@ -1,4 +1,4 @@
-// A model in MJCF that MuJoCo runs from its file, beside its import on the mujoco backend.
+// A model in MJCF or URDF that MuJoCo runs from its file, beside its import on the mujoco backend.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct OriginalRun {
 
 /// Runs the file at `path` for `seconds` in steps of its own, from its keyframe `keyframe` (empty:
 /// its reference pose) with the controls of that, in MuJoCo and as an import, with the same options
-/// of the solver. Errors: MuJoCo cannot read the file; what the import, the compiler or the backend
+/// of the solver; a URDF with its root held, within its limits, and without drives. Errors: MuJoCo cannot read the file; what the import, the compiler or the backend
 /// say.
 Result<OriginalRun> run_beside_original(const std::string& path, const std::string& keyframe,
                                         double seconds);
