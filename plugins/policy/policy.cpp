@@ -30,11 +30,10 @@ class Policy final : public cogrsim::Controller {
   void configure(cogrsim::Assembly& robot) override {
     robot_ = robot;
     base_ = robot.sensor<cogrsim::PoseSensor>(robot.parameter<std::string>("base"));
-    const std::string path =
-        (std::filesystem::path(robot.scene_folder()) / robot.parameter<std::string>("card"))
-            .string();
+    const auto path = card_path(robot);
+    if (!path) return;
     std::vector<cogrsim::Diagnostic> found;
-    card_ = cogrsim::read_policy_card(path, found);
+    card_ = cogrsim::read_policy_card(*path, found);
     if (card_) load_network(robot, found);
     for (const cogrsim::Diagnostic& d : found) robot.fail(line_of(d));
     if (!card_) return;
@@ -133,6 +132,28 @@ class Policy final : public cogrsim::Controller {
     double left = 0.0;  // steps until it holds
     Values target;
   };
+
+  // A scene may come from somebody else, and names cards in its folder only. Others are named on the
+  // command line, as parameters of the scene.
+  static std::optional<std::string> card_path(cogrsim::Assembly& robot) {
+    namespace fs = std::filesystem;
+    const std::string name = robot.parameter<std::string>("card"), folder = robot.scene_folder();
+    std::error_code error;
+    const fs::path base =
+        fs::weakly_canonical(folder.empty() ? fs::path(".") : fs::path(folder), error);
+    const fs::path full = fs::weakly_canonical(base / name, error);
+    const auto& set = robot.set_parameters();
+    const bool asked =
+        std::any_of(set.begin(), set.end(), [&](const auto& each) { return each.second == name; });
+    // Compared by path elements after resolving links: "scene2" is not inside "scene".
+    if (!error &&
+        (asked ||
+         std::mismatch(base.begin(), base.end(), full.begin(), full.end()).first == base.end()))
+      return full.string();
+    robot.fail("card '" + name + "' lies outside the scene's folder " + base.string() +
+               "; a card elsewhere is named by --set");
+    return std::nullopt;
+  }
 
   void load_network(cogrsim::Assembly& robot, std::vector<cogrsim::Diagnostic>& found) {
     auto network = cogrsim::PolicyNetwork::read(card_->network);

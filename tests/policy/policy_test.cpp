@@ -17,13 +17,13 @@ using Values = std::vector<double>;
 namespace {
 
 // The scene of a card that a controller in it names.
-std::unique_ptr<Simulation> start(
-    const PolicyFolder& folder, const std::string& card,
-    const std::string& controller = "<controller plugin=\"policy\">") {
+std::unique_ptr<Simulation> start(const PolicyFolder& folder, const std::string& card,
+                                  const std::string& controller = "<controller plugin=\"policy\">",
+                                  const std::string& card_name = "arm.policy.yaml") {
   std::string scene = kRobot;
   scene.insert(scene.find("  </assembly>"), "    <pose name=\"base\" on=\"trunk\"/>\n    " +
-                                                controller +
-                                                "<set card=\"arm.policy.yaml\"/></controller>\n");
+                                                controller + "<set card=\"" + card_name +
+                                                "\"/></controller>\n");
   folder.write("run.scene.xml", scene);
   folder.write("arm.policy.yaml", card);
   const auto loader = std::make_shared<PluginLoader>();
@@ -221,6 +221,9 @@ TEST_CASE("a policy that does not fit its scene does not start", "[run]") {
                     Contains("18") && Contains("20"));
   CHECK_THROWS_WITH(start(folder, with("kp: 40, kd: 2", "")), Contains("torque"));
   CHECK_THROWS_WITH(start(folder, with("rate: 100 Hz", "")), Contains("'rate' is missing"));
+  for (const char* elsewhere : {"/etc/passwd", "../arm.policy.yaml"})
+    CHECK_THROWS_WITH(start(folder, kCard, "<controller plugin=\"policy\">", elsewhere),
+                      Contains("outside the scene's folder"));
 }
 
 TEST_CASE("a drive law that would run once per decision is refused", "[run]") {

@@ -41,6 +41,7 @@ struct PolicyResult {
   std::string backend, status;
   double time = 0.0;  // at the end [s]
   std::optional<double> fell;
+  bool stood = false;  // to the end that was asked for
   Vec3 start = Vec3::Zero(), end = Vec3::Zero();
   double heading = 0.0;          // turned since the start [rad]
   double path = 0.0;             // length of the way [m]
@@ -183,8 +184,12 @@ std::string summary(const PolicyResult& r, const PolicyScene& scene,
                     const std::vector<double>& command) {
   std::string out = fmt::format("{} on {}, command {}, seed {}\n", one_line(scene.card->file),
                                 r.backend, numbers(command), r.seed);
-  out += r.fell ? fmt::format("  stood      no: fell at {:.2f} s\n", *r.fell)
-                : fmt::format("  stood      {:.4g} s\n", r.time);
+  if (r.fell)
+    out += fmt::format("  stood      no: fell at {:.2f} s\n", *r.fell);
+  else if (r.stood)
+    out += fmt::format("  stood      {:.4g} s\n", r.time);
+  else
+    out += fmt::format("  stood      to {:.4g} s, where the run ended: {}\n", r.time, r.status);
   const Vec3 way = r.end - r.start;
   out += fmt::format(
       "  walked     {:.2f} m, to {:.2f} m ahead and {:.2f} m to the left; turned {:.1f} deg\n",
@@ -204,7 +209,7 @@ Json result_json(const PolicyResult& r, const PolicyScene& scene,
           {"command", command},
           {"status", r.status},
           {"time", r.time},
-          {"stood", !r.fell.has_value()},
+          {"stood", r.stood},
           {"fell_at", r.fell ? Json(*r.fell) : Json(nullptr)},
           {"start", to_json(r.start)},
           {"end", to_json(r.end)},
@@ -256,6 +261,8 @@ int run(const PolicyOptions& options) {
   watch.finish();
   watch.result.time = simulation.time();
   watch.result.status = watch.result.fell ? "fell" : to_string(status);
+  watch.result.stood =
+      !watch.result.fell && (status == RunStatus::completed || status == RunStatus::running);
   if (!options.json.empty()) {
     const auto written = write_output(options.json, OutputKind::json,
                                       json_text(result_json(watch.result, scene, command)));
@@ -265,8 +272,7 @@ int run(const PolicyOptions& options) {
     const auto printed = print_output(summary(watch.result, scene, command));
     if (!printed) return refuse(printed.error());
   }
-  const bool ended = status == RunStatus::completed || status == RunStatus::running;
-  return ended && !watch.result.fell ? kGood : kFailed;
+  return watch.result.stood ? kGood : kFailed;
 }
 
 std::vector<double> command_from(const std::string& text) {

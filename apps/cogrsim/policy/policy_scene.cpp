@@ -110,9 +110,9 @@ Result<SceneModelPtr> with_policy(const PolicyScene& scene, const std::vector<do
   controller.plugin = "policy";
   controller.assembly = assembly;
   controller.on_fault = FaultPolicy::end_run;
-  controller.parameters = {{"card", fs::absolute(scene.card->file).string()},
-                           {"base", std::string(kSensor)},
-                           {"command", command}};
+  const std::string card = fs::absolute(scene.card->file).string();
+  model->set_parameters["card"] = card;  // which lets a card outside of the robot's folder be read
+  controller.parameters = {{"card", card}, {"base", std::string(kSensor)}, {"command", command}};
   model->controllers.push_back(std::move(controller));
   if (scene.card->step > 0.0) model->physics.step = scene.card->step;
   return SceneModelPtr(std::move(model));
