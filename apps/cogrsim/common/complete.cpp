@@ -152,12 +152,14 @@ void add_values(const CLI::Option& option, const Named& named, Answer& answer) {
   using Files = Completions::Files;
   for (const std::string& choice : choices_of(option)) answer.add(choice);
   const std::string type = type_of(option);
-  if (has_name(option, "--backends"))
+  if (has_name(option, "--backends")) {
     answer.add_to_list(named.backends());
-  else if (has_name(option, "--backend"))
+    answer.add("all");
+  } else if (has_name(option, "--backend")) {
     for (const std::string& name : named.backends()) answer.add(name);
-  else if (has_name(option, "--without"))
+  } else if (has_name(option, "--without")) {
     answer.add_to_list({"lacking", "couplings", "limits", "loops", "rotor-inertia"});
+  }
   const Names names = names_for(option, named);
   if (type.find(",...") != std::string::npos)
     answer.add_to_list(names);

@@ -64,8 +64,8 @@ void check_plugins(const DoctorOptions& options, std::vector<Finding>& out) {
   };
   // One in another program that lacks what it needs says itself how to get it.
   for (const RefusedPlugin& each : refused) {
-    const std::string name = plugin_name(each.path);
-    const bool lacks = each.reason.find(" needs what is not there: ") != std::string::npos;
+    const bool lacks = !each.unavailable.empty();
+    const std::string name = lacks ? each.unavailable : plugin_name(each.path);
     found.push_back(name);
     out.push_back({is_engine(name) || lacks ? "engine" : "plugin", name,
                    lacks ? Finding::missing : Finding::broken, each.reason, each.path,
