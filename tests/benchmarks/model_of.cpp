@@ -74,7 +74,8 @@ class Translator {
     const auto moving = std::count_if(scene.things.begin(), scene.things.end(),
                                       [](const Thing& thing) { return thing.mass > 0; });
     if (scene.hinges.empty() && moving > 100) {
-      builder_.model.physics.engine_options["mujoco"]["solver"] = std::string("CG");
+      for (const char* const engine : {"mujoco", "mujoco3"})
+        builder_.model.physics.engine_options[engine]["solver"] = std::string("CG");
     }
   }
 

@@ -2,6 +2,10 @@
 // every position and orientation after every step.
 //
 //     cogrsim_faithful --engine NAME --raw PROGRAM --ours PROGRAM --table FILE [--scene NAME]
+//                      [--runtime PROGRAM]
+//
+// With a runtime, Node.js for example, the raw program is a script for it, which finds the scene in the
+// JSON file that is its first argument.
 //
 // The table holds for a scene that is not the same bit for bit
 //
@@ -31,7 +35,7 @@ using cogrsim::faithful::kNumbers, cogrsim::faithful::Run, cogrsim::faithful::ru
 using Json = nlohmann::json;
 
 struct Options {
-  std::string engine, raw, ours, table, scene;
+  std::string engine, raw, ours, table, scene, runtime;
 };
 
 /// Largest differences over a run, and the first step that differs; -1: none.
@@ -86,11 +90,49 @@ std::string judge(const Json& expected, const Run& raw, const Run& ours, const D
   return "";
 }
 
+/// The scene for a raw program in another language; members as in scene.h.
+void write_scene(const Scene& scene, const std::filesystem::path& file) {
+  static constexpr const char* kForms[] = {"box", "sphere", "cylinder", "capsule", "plane"};
+  Json json = {{"name", scene.name},       {"gravity", scene.gravity}, {"step", scene.step},
+               {"contact", scene.contact}, {"things", Json::array()},  {"hinges", Json::array()}};
+  for (const Thing& thing : scene.things) {
+    Json parts = Json::array();
+    for (const Part& part : thing.parts)
+      parts.push_back(
+          {{"form", kForms[static_cast<int>(part.form)]}, {"size", part.size}, {"at", part.at}});
+    json["things"].push_back({{"mass", thing.mass},
+                              {"moments", thing.moments},
+                              {"place", thing.place},
+                              {"turn", thing.turn},
+                              {"velocity", thing.velocity},
+                              {"spin", thing.spin},
+                              {"friction", thing.friction},
+                              {"restitution", thing.restitution},
+                              {"family", thing.family},
+                              {"parts", std::move(parts)}});
+  }
+  for (const Hinge& hinge : scene.hinges)
+    json["hinges"].push_back({{"parent", hinge.parent},
+                              {"child", hinge.child},
+                              {"anchor", hinge.anchor},
+                              {"axis", hinge.axis},
+                              {"driven", hinge.driven},
+                              {"speed", hinge.speed},
+                              {"max_torque", hinge.max_torque}});
+  std::ofstream(file) << json;
+}
+
 bool check(const Options& options, const FaithfulScene& scene, const Json& table,
            const std::filesystem::path& folder) {
   const Json expected = table.value(scene.name, Json::object());
   const Run ours = run("'" + options.ours + "' " + options.engine, scene, folder);
-  const Run raw = ours.unsupported.empty() ? run("'" + options.raw + "'", scene, folder) : Run();
+  std::string raw_command = "'" + options.raw + "'";
+  if (!options.runtime.empty()) {
+    const auto data = folder / "scene.json";
+    write_scene(make_scene(scene.name), data);
+    raw_command = "'" + options.runtime + "' " + raw_command + " '" + data.string() + "'";
+  }
+  const Run raw = ours.unsupported.empty() ? run(raw_command, scene, folder) : Run();
   Differences found;
   if (raw.trace.size() == ours.trace.size()) {
     found = compare(raw.trace, ours.trace, make_scene(scene.name).things.size());
@@ -120,7 +162,7 @@ int usage(const std::string& wrong) {
   std::fprintf(
       stderr,
       "%s\nusage: cogrsim_faithful --engine NAME --raw PROGRAM --ours PROGRAM --table FILE "
-      "[--scene NAME]\n",
+      "[--scene NAME] [--runtime PROGRAM]\n",
       wrong.c_str());
   return 2;
 }
@@ -131,12 +173,13 @@ int main(int argc, char** argv) try {
   Options options;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string word = argv[i];
-    std::string* const to = word == "--engine"  ? &options.engine
-                            : word == "--raw"   ? &options.raw
-                            : word == "--ours"  ? &options.ours
-                            : word == "--table" ? &options.table
-                            : word == "--scene" ? &options.scene
-                                                : nullptr;
+    std::string* const to = word == "--engine"    ? &options.engine
+                            : word == "--raw"     ? &options.raw
+                            : word == "--ours"    ? &options.ours
+                            : word == "--table"   ? &options.table
+                            : word == "--scene"   ? &options.scene
+                            : word == "--runtime" ? &options.runtime
+                                                  : nullptr;
     if (!to) return usage("there is no option '" + word + "'");
     *to = argv[i + 1];
   }

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <sstream>
 
-#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "../support/temporary_folder.h"
@@ -300,8 +299,9 @@ TEST_CASE("an adapter reaches its own folder, those of the system, and what its 
   const auto reached = [](const std::string& more) {
     const Rascals rascals("reach all");
     std::string manifest = kManifest;
-    manifest.insert(
-        1, more.empty() ? "" : fmt::format(R"("{}": ["{}"], )", more, rascals.path.string()));
+    manifest.replace(manifest.find("2,"), 1, "30");  // patience
+    if (!more.empty())
+      manifest.insert(1, "\"" + more + "\": [\"" + rascals.path.string() + "\"], ");
     rascals.write("rascal/backend.json", manifest);
     const auto backend = rascals.backend();
     return backend ? std::string((*backend)->engine_version()) : backend.error().text();

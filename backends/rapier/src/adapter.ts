@@ -41,6 +41,7 @@ class RapierWorld implements World {
   #joints!: Joints;
   #owners = new Map<number, [number, number]>(); // of colliders: body and shape
   #numbers = new Map<number, number>(); // of bodies, by their handles
+  #events = new RAPIER.EventQueue(true);
   #apart = new Set<string>(); // pairs of handles that never touch
   #dt = 1;
   #isPushed = true; // the last step, or the one that a snapshot is of, may have left forces
@@ -58,7 +59,7 @@ class RapierWorld implements World {
       this.#joints = makeJoints(this.#world, scene, (b) => this.#bodies[b] ?? this.#ground);
       this.#takeNumbers(state);
     } catch (error) {
-      this.#world.free();
+      this.free();
       throw error;
     }
   }
@@ -182,10 +183,13 @@ class RapierWorld implements World {
       if (!motor.removed) beside[motor.joint] += this.#joints.axes[motor.joint]!.drive(drives, 6 * m);
     });
     this.#joints.axes.forEach((axis, j) => {
+      axis?.setLimits();
       const coupled = efforts ? efforts[this.scene.joints[j].speed_offset] : 0;
       axis?.apply(beside[j] + axis.passive() + coupled);
     });
-    this.#world.step(undefined, this.#apart.size > 0 ? this.#hooks : undefined);
+    // Rapier asks hooks only in steps with a queue of events.
+    if (this.#apart.size > 0) this.#world.step(this.#events, this.#hooks);
+    else this.#world.step();
     for (const axis of this.#joints.axes) axis?.read();
   }
 
@@ -215,6 +219,7 @@ class RapierWorld implements World {
 
   write(state: State): void {
     const next = new RapierWorld(this.scene, state);
+    next.#events.free();
     this.#world.free();
     this.#world = next.#world;
     this.#ground = next.#ground;
@@ -303,6 +308,7 @@ class RapierWorld implements World {
   }
 
   free(): void {
+    this.#events.free();
     this.#world.free();
   }
 }
@@ -320,6 +326,7 @@ const kCapabilities: Record<string, Support> = {
   'pair.heightmap-heightmap': ['unsupported', 'two surfaces: neither can be moved by forces'],
   'joint.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
   'loop.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
+  'joint.rotor-inertia.*': ['unsupported', 'Rapier has no inertia of rotors'],
   'joint.fixed': ['approximate', 'an impulse joint, held softly'],
   'joint.hinge': ['approximate', 'an impulse joint, held softly; turns at most a quarter of pi a step'],
   'joint.slider': ['approximate', 'an impulse joint, held softly'],
@@ -330,7 +337,7 @@ const kCapabilities: Record<string, Support> = {
   'loop.slider': ['approximate', 'as in trees'],
   'loop.ball': ['approximate', 'as in trees'],
   'loop.free': 'exact',
-  'joint.limit.hinge': ['approximate', 'soft; both limits, less than a turn apart'],
+  'joint.limit.hinge': ['approximate', 'soft; of limits a turn apart and more Rapier has the nearer one'],
   'joint.limit.slider': ['approximate', 'soft'],
   'joint.damping.hinge': ['approximate', "Rapier's motor; explicit where that drives the axis with gains"],
   'joint.damping.slider': ['approximate', "Rapier's motor; explicit where that drives the axis with gains"],

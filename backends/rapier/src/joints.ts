@@ -10,6 +10,8 @@ const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
 const kMostForce = 3.4e38;
 /** Damping of a source of speed: rigid, as far as single precision tells. */
 const kRigid = 1e9;
+/** Limits of a hinge that do nothing: a turn apart and more, without a word. */
+const kNoLimits = 4;
 
 const frame = (pose: readonly number[]): [RAPIER.Vector, RAPIER.Rotation] => [
   xyz(pose),
@@ -32,31 +34,14 @@ function dataOf(joint: Joint): RAPIER.JointData {
   }
 }
 
-function setLimits(joint: Joint, made: RAPIER.UnitImpulseJoint): void {
-  const { lower, upper } = joint.axes[0];
-  if (lower === -Infinity && upper === Infinity) return;
-  if (joint.type === 'slider') {
-    made.setLimits(Math.max(lower, -kMostForce), Math.min(upper, kMostForce));
-    return;
-  }
-  // Wider ones do nothing in Rapier, without a word: its angles are between -pi and pi around the
-  // middle of the limits.
-  if (!(upper - lower < 2 * Math.PI)) {
-    throw new Refusal(
-      `joint '${joint.name}': Rapier's hinges hold limits only where the two are less than a turn ` +
-        `apart, and these are ${lower} and ${upper} rad`,
-    );
-  }
-  made.setLimits(lower, upper);
-}
-
 /** A joint with an axis: where it stands, and what acts along it in a step. */
 export class Axis {
   q = 0;
   u = 0;
   #axis: V3 = [0, 0, 1]; // in the world
   #point: V3 = [0, 0, 0];
-  #damps = false; // the joint's damping is Rapier's motor, though a motor drives
+  #isTaken = false; // Rapier's motor, by a law with gains, in this step
+  #held?: number[]; // the limits that Rapier has now
 
   constructor(
     readonly joint: Joint,
@@ -107,19 +92,33 @@ export class Axis {
     this.u = dot(this.#axis, [vc.x - vp.x, vc.y - vp.y, vc.z - vp.z]);
   }
 
+  /**
+   * Before a step. Rapier's angles of a hinge are between -pi and pi around the middle of its limits, which so
+   * must be less than a turn apart: of others it has the one that is near, and one that is not met. Nothing
+   * turns by more than pi/4 in a step.
+   */
+  setLimits(): void {
+    const { lower, upper } = this.joint.axes[0];
+    if (lower === -Infinity && upper === Infinity) return;
+    let limits: [number, number];
+    if (this.joint.type === 'slider') limits = [Math.max(lower, -kMostForce), Math.min(upper, kMostForce)];
+    else if (upper - lower < 2 * Math.PI) limits = [lower, upper];
+    else if (this.q > upper - Math.PI / 2) limits = [upper - 1.5 * Math.PI, upper];
+    else if (this.q < lower + Math.PI / 2) limits = [lower, lower + 1.5 * Math.PI];
+    else limits = [-kNoLimits, kNoLimits];
+    if (this.#held?.every((x, i) => x === limits[i])) return;
+    this.#held = limits;
+    this.made.setLimits(...limits);
+  }
+
   /** The law of a motor, six numbers at `at`, as Rapier's motor; returns the effort beside it. */
   drive(drives: Float64Array, at: number): number {
     const [bias, kp, position, kd, velocity, most] = drives.subarray(at, at + 6);
-    const { damping } = this.joint.axes[0];
-    this.#damps = kp === 0 && kd === 0 && damping > 0;
+    if (kp === 0 && kd === 0) return Math.min(Math.max(bias, -most), most);
+    this.#isTaken = true;
     if (kd === Infinity) {
       this.#motor(0, velocity, 0, kRigid, most);
       return 0;
-    }
-    if (kp === 0 && kd === 0) {
-      // A motor without gains holds rigidly if its force has no bound.
-      this.#motor(0, 0, 0, damping, this.#damps ? Infinity : 0);
-      return Math.min(Math.max(bias, -most), most);
     }
     if (kp === 0) {
       this.#motor(0, velocity + bias / kd, 0, kd, most);
@@ -138,10 +137,13 @@ export class Axis {
     return 0;
   }
 
-  /** Spring and damper beside the motor, where that is taken. */
+  /** After drive(): spring, and the damper where it is not Rapier's motor. */
   passive(): number {
     const { damping, stiffness, rest, friction } = this.joint.axes[0];
-    const taken = this.isDriven ? !this.#damps : friction > 0;
+    const taken = this.isDriven ? this.#isTaken : friction > 0;
+    // A motor without gains holds rigidly if its force has no bound.
+    if (this.isDriven && !taken) this.#motor(0, 0, 0, damping, damping > 0 ? Infinity : 0);
+    this.#isTaken = false;
     return (taken ? -damping * this.u : 0) - stiffness * (this.q - rest);
   }
 
@@ -172,7 +174,17 @@ export function makeJoints(
   bodyOf: (index: number) => RAPIER.RigidBody,
   handles?: number[],
 ): Joints {
-  const driven = new Set(scene.motors.filter((m) => !m.removed).map((m) => m.joint));
+  const driven = new Set<number>();
+  const taken = new Set<number>();
+  for (const { removed, joint, mode } of scene.motors) {
+    if (removed) continue;
+    driven.add(joint);
+    if (mode === 'torque') continue;
+    if (taken.has(joint)) {
+      throw new Refusal(`joint '${scene.joints[joint].name}': Rapier has one motor on an axis, beside torques`);
+    }
+    taken.add(joint);
+  }
   const out: Joints = { handles: [], axes: [] };
   scene.joints.forEach((joint, j) => {
     out.handles.push(-1);
@@ -203,7 +215,6 @@ export function makeJoints(
     out.handles[j] = made.handle;
     if (joint.type !== 'hinge' && joint.type !== 'slider') return;
     const unit = made as RAPIER.UnitImpulseJoint;
-    if (!handles) setLimits(joint, unit);
     out.axes[j] = new Axis(joint, unit, isDriven);
   });
   return out;
