@@ -64,6 +64,7 @@ const kCapabilities: Record<string, Support> = {
   'body.*': 'exact',
   'contact.*': ['unsupported', "PhysX's interface for JavaScript does not have it"],
   'runtime.*': ['approximate', 'the world is rebuilt: contacts are forgotten'],
+  'runtime.attach': ['approximate', 'a joint of iterations, without motor, limit, spring, damper, friction or rotor'],
   'runtime.save': [
     'approximate',
     'what contacts remember is not saved: a pile is some 0.05 mm off after half a second',
@@ -102,5 +103,5 @@ serve({
       integrator: ['engine', 'PxScene::simulate'],
     },
   }),
-  build: (scene, state) => new PhysxWorld(scene, state),
+  build: (scene, state, previous) => new PhysxWorld(scene, state, previous as PhysxWorld | undefined),
 });

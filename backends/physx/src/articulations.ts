@@ -157,11 +157,12 @@ interface Tree {
 }
 
 /** Joints by which a body hangs in an articulation, by body. */
-function treeJoints(scene: Scene): Map<number, number> {
+function treeJoints(scene: Scene, attached: Set<number>): Map<number, number> {
   const out = new Map<number, number>();
   scene.joints.forEach((joint, j) => {
     const { parent, child } = joint;
-    if (joint.removed || joint.type === 'free' || joint.closes_loop || joint.bodies_collide) return;
+    if (joint.removed || joint.type === 'free' || joint.closes_loop || joint.bodies_collide || attached.has(j))
+      return;
     if (scene.bodies[child]?.kind !== 'dynamic' || out.has(child)) return;
     if (parent >= 0 && scene.bodies[parent].kind === 'kinematic') return;
     // What hangs on itself stays a loop.
@@ -188,9 +189,10 @@ export class Articulations {
   constructor(
     readonly scene: Scene,
     readonly state: State,
+    attached: Set<number>, // joints that are no tree's
     readonly setUp: (link: PhysX.PxArticulationLink, body: number) => void,
   ) {
-    this.#joints = treeJoints(scene);
+    this.#joints = treeJoints(scene, attached);
     scene.joints.forEach((_, j) => {
       this.#drives[j] = scene.motors.flatMap((motor, m) => (motor.joint === j && !motor.removed ? [m] : []));
     });

@@ -31,11 +31,20 @@ export class PhysxWorld implements World {
   #actors: (PhysX.PxRigidActor | undefined)[] = [];
   #motions: Motion[] = [];
   #dt = 0; // 0: no step to report
+  #attached: Set<number>;
 
   constructor(
     readonly scene: Scene,
     state: State,
+    previous?: PhysxWorld,
   ) {
+    // A later joint between bodies that were there stops what it forbids: a joint of PhysX does, while a
+    // tree would forget the motion of what is attached.
+    this.#attached = new Set(previous ? previous.#attached : []);
+    const { joints, bodies } = previous?.scene ?? scene;
+    scene.joints.slice(joints.length).forEach(({ parent, child }, i) => {
+      if (Math.max(parent, child) < bodies.length) this.#attached.add(joints.length + i);
+    });
     try {
       this.#build(state);
     } catch (error) {
@@ -49,7 +58,7 @@ export class PhysxWorld implements World {
     this.#shapes = new Shapes(scene);
     this.#contacts = new Contacts(scene, this.#shapes.of);
     this.#makeScene();
-    this.#trees = new Articulations(scene, state, (link, b) => {
+    this.#trees = new Articulations(scene, state, this.#attached, (link, b) => {
       this.#actors[b] = link;
       this.#setUp(link, b, true);
     });
@@ -223,7 +232,7 @@ export class PhysxWorld implements World {
 
   /** All anew: PhysX remembers contacts. */
   write(state: State): void {
-    const next = new PhysxWorld(this.scene, state);
+    const next = new PhysxWorld(this.scene, state, this);
     this.free();
     this.#scene = next.#scene;
     this.#shapes = next.#shapes;
@@ -246,9 +255,10 @@ export class PhysxWorld implements World {
 
   /** PhysX has no way to save what its contacts remember: the state of the scene is all. */
   save(): Uint8Array {
-    return new Uint8Array(8);
+    return Buffer.from(JSON.stringify([...this.#attached]));
   }
-  restore(_bytes: Uint8Array, state: State): void {
+  restore(bytes: Uint8Array, state: State): void {
+    this.#attached = new Set(JSON.parse(Buffer.from(bytes).toString()) as number[]);
     this.write(state);
   }
 
