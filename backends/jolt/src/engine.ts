@@ -16,7 +16,7 @@ export const version = (createRequire(import.meta.url)('jolt-physics/package.jso
 export const kStatic = 0; // layers
 export const kMoving = 1;
 
-// Wrappers that are filled anew for each call: Jolt copies what it takes.
+// Wrappers that are filled again for each call: Jolt copies what it takes.
 const pool = { v: new J.Vec3(), r: new J.RVec3(), q: new J.Quat() };
 const set = <T extends { Set(x: number, y: number, z: number): void }>(
   to: T,

@@ -228,7 +228,7 @@ export class JoltWorld implements World {
     if (this.#dt > 0) this.#joints.efforts(this.#dt, out.jointEfforts, out.motorEfforts);
   }
 
-  /** All anew: Jolt remembers impulses of contacts and constraints. */
+  /** All again: Jolt remembers impulses of contacts and constraints. */
   write(state: State): void {
     const next = new JoltWorld(this.scene, state);
     this.free();

@@ -42,7 +42,7 @@ const kCapabilities: Record<string, Support> = {
   'contact.rolling-friction': ['approximate', 'one pyramid with sliding; creeps'],
   'contact.spinning-friction': ['approximate', 'one pyramid with sliding; creeps'],
   'body.*': 'exact',
-  'runtime.*': ['approximate', 'compiled anew: motions go on to rounding, forces of contacts start anew'],
+  'runtime.*': ['approximate', 'compiled again: motions go on to rounding, forces of contacts start again'],
   'runtime.save': 'exact',
   'runtime.attach': ['approximate', 'a soft constraint, see solrefequality, by plain hinges, balls and fixed joints'],
   'runtime.body_kind': ['approximate', 'what is jointed to a body made static keeps its joint speeds'],

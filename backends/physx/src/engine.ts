@@ -87,7 +87,7 @@ export const physics = P.CreatePhysics(number, foundation, scale);
 P.InitExtensions(physics);
 export const dispatcher = P.DefaultCpuDispatcherCreate(0);
 
-// Wrappers that are filled anew for each call: PhysX copies what it takes.
+// Wrappers that are filled again for each call: PhysX copies what it takes.
 const v = new P.PxVec3(0, 0, 0);
 const x = new P.PxTransform(P.PxIDENTITYEnum.PxIdentity);
 

@@ -230,7 +230,7 @@ export class PhysxWorld implements World {
     });
   }
 
-  /** All anew: PhysX remembers contacts. */
+  /** All again: PhysX remembers contacts. */
   write(state: State): void {
     const next = new PhysxWorld(this.scene, state, this);
     this.free();
