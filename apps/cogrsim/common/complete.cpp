@@ -168,7 +168,7 @@ void add_values(const CLI::Option& option, const Named& named, Answer& answer) {
   if (type == "CODE")
     for (const std::string& code : dsl::diagnostic_codes()) answer.add(code);
   if (type == "DIR") answer.completions.files = Files::folders;
-  for (const char* file : {"FILE", "SCENE", "RUN", "DIR", ".scene.xml"})
+  for (const char* file : {"FILE", "SCENE", "RUN", "DIR", ".scene.xml", ".yaml"})
     if (type != "DIR" && type.find(file) != std::string::npos)
       answer.completions.files = Files::all;
 }
