@@ -1,4 +1,4 @@
-// The benchmark scenes on bare DART, the way its tutorials do it, with its detector by ODE.
+// The benchmark scenes on raw DART, the way its tutorials do it, with its detector by ODE.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// The scenes on bare MuJoCo 3: a model in its own language, its defaults.
+// The scenes on raw MuJoCo 3: a model in its own language, its defaults.
 import { conjugate, engineModule, main, multiply, placeIn, scale, turn } from './program.mjs';
 
 const { default: load } = await engineModule('mujoco3/node_modules/@mujoco/mujoco/mujoco.js');

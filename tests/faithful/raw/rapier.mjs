@@ -1,4 +1,4 @@
-// The scenes on bare Rapier, as its manual would write them.
+// The scenes on raw Rapier, as its manual would write them.
 import { conjugate, cross, engineModule, main, multiply, placeIn } from './program.mjs';
 
 const { default: RAPIER } = await engineModule('rapier/node_modules/@dimforge/rapier3d-compat/dist/rapier.mjs');

@@ -133,6 +133,8 @@ test("several bodies become one with what it weighs shown before, and are separa
   const { page } = its;
   await row(page, "crate box").click();
   await row(page, "ball sphere").click({ modifiers: ["Control"] });
+  // What the server says of both comes later, and a menu that is opened before closes.
+  await expect(page.getByText("0.25 0 0.175 m")).toBeVisible();
   await page.getByTestId("view3d").hover({ position: { x: 5, y: 5 } });
   await page.getByRole("menuitem", { name: "Edit", exact: true }).click();
   await page.getByRole("menuitem", { name: /^Assemble/ }).click();

@@ -13,7 +13,8 @@ export default defineConfig({
   use: {
     viewport: { width: 1500, height: 950 },
     screenshot: "only-on-failure",
-    trace: "retain-on-failure",
+    // Tracing takes a picture of every change on the page, with software rendering a large part of the whole time.
+    trace: process.env.STUDIO_TRACE ? "retain-on-failure" : "off",
     actionTimeout: 20_000,
     launchOptions: {
       executablePath: process.env.CHROMIUM,
