@@ -245,6 +245,7 @@ TEST_CASE("names of the scene at hand are completed", "[cli][table][complete]") 
     <plot name="path" y="bot.hull.x"/>
     <test name="stays"><always that="time ge 0 s"/></test></scene>)");
   folder.write("broken.scene.xml", "<scene");
+  folder.write("long.scene.xml", "<scene><param " + std::string(900000, 'a') + " name=\"x\"/></scene>");
   const std::string scene = folder / "a.scene.xml", broken = folder / "broken.scene.xml";
   const auto completed = [&](const std::vector<std::string>& words) {
     return words_after(*table.app, words);
@@ -267,9 +268,10 @@ TEST_CASE("names of the scene at hand are completed", "[cli][table][complete]") 
   CHECK(completed({"render", scene, "--camera", ""}) == "");
   CHECK(completed({"render", broken, "--camera", ""}) == "");
   CHECK(completed({"render", folder / "none.scene.xml", "--camera", ""}) == "");
+  CHECK(completed({"run", folder / "long.scene.xml", "--set", ""}) == "");
 }
 
-TEST_CASE("the shells show what they are told", "[cli][table][complete]") {
+TEST_CASE("the shells show the candidates of the program", "[cli][table][complete]") {
   const cogrsim::test::TemporaryFolder folder;
   folder.write("file.txt", "");
   // In the place of the program.

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
 
+#include "cogrsim/dsl/edit.h"
 #include "cogrsim/recording/recording.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "common/command_pages.h"
@@ -63,16 +62,14 @@ class Named {
 
   // Of the scenes' own files: a scene whose parameter has no value does not compile.
   Names parameters() const {
-    constexpr std::size_t kMost = 1 << 20;  // [byte]
-    static const std::regex declared(R"(<param\s[^<>]*\bname\s*=\s*["']([^"'<>]+))");
     Names out;
     for (const std::string& file : files_) {
       std::ifstream in(file, std::ios::binary);
-      std::string text(kMost, '\0');
+      std::string text(dsl::Limits().file_bytes, '\0');
       in.read(text.data(), std::streamsize(text.size()));
       text.resize(std::size_t(in.gcount()));
-      for (std::sregex_iterator at(text.begin(), text.end(), declared), end; at != end; ++at)
-        out.push_back((*at)[1].str() + "=");
+      for (const dsl::OutlineElement& element : dsl::outline_text(text, file))
+        if (element.tag == "param") out.push_back(element.name + "=");
     }
     return out;
   }

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -21,8 +21,9 @@ constexpr const char* kSensor = "policy_base";
 
 bool is_model_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return dsl::is_foreign_model(text);
+  std::string text(dsl::Limits().file_bytes, '\0');  // beyond it no file is read
+  file.read(text.data(), std::streamsize(text.size()));
+  return dsl::is_foreign_model(std::string_view(text).substr(0, std::size_t(file.gcount())));
 }
 
 // A robot in another format, as a scene in memory that refers to its meshes where they are.
