@@ -39,15 +39,18 @@ function(cogrsim_add_npm_adapter name engine package)
   get_filename_component(scope ${package} DIRECTORY)
   file(COPY ${work}/node_modules/${package} DESTINATION ${output}/node_modules/${scope} ${excluded})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.ts)
-  set(from_library ${library}/cogrsim_backend.mjs ${library}/cogrsim_backend.d.mts)
+  # What adapters of engines share.
+  set(shared ${PROJECT_SOURCE_DIR}/backends/typescript)
+  set(from_library ${library}/cogrsim_backend.mjs ${library}/cogrsim_backend.d.mts ${shared}/math.ts
+    ${shared}/scene.ts)
   add_custom_command(OUTPUT ${output}/adapter.mjs
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${work}/src
     COMMAND ${CMAKE_COMMAND} -E copy_directory ${CMAKE_CURRENT_SOURCE_DIR}/src ${work}/src
     COMMAND ${CMAKE_COMMAND} -E copy ${from_library} ${work}/src
-    COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_CURRENT_SOURCE_DIR}/tsconfig.json ${work}
+    COMMAND ${CMAKE_COMMAND} -E copy ${shared}/tsconfig.json ${work}
     COMMAND ${NPM_PROGRAM} run --silent build
     COMMAND ${CMAKE_COMMAND} -E copy ${work}/adapter.mjs ${output}
-    DEPENDS ${work}/packages.stamp ${sources} ${from_library} tsconfig.json
+    DEPENDS ${work}/packages.stamp ${sources} ${from_library} ${shared}/tsconfig.json
     WORKING_DIRECTORY ${work}
     COMMENT "Building the adapter of ${engine}"
     VERBATIM)

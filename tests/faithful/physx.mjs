@@ -2,26 +2,11 @@
 // a plane at 45 degrees to its axes and a ball falls beside it; an articulation of two links swings. Their positions
 // after a second are equal bit for bit.
 //   node physx.mjs COGRSIM ADAPTERS SCRATCH
-import { execFileSync } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { join, resolve } from 'node:path';
-import vm from 'node:vm';
+import { join } from 'node:path';
+import { loadPhysx } from '../support/physx.mjs';
+import { adapters, beside } from './beside.mjs';
 
-const [cogrsim, adapters, scratch] = process.argv.slice(2).map((path) => resolve(path));
-// The package refuses Node.js: it runs in a context that looks like a page.
-const engine = join(adapters, 'physx/node_modules/physx-js-webidl/physx-js-webidl');
-const page = vm.createContext({ console, WebAssembly, TextDecoder, performance, setTimeout, URL,
-  location: { href: 'http:' }, navigator: { languages: ['en'] }, document: { currentScript: null } });
-page.window = page.self = page;
-vm.runInContext(
-  readFileSync(`${engine}.mjs`, 'utf8')
-    .replace(/export default PhysX;?/, 'globalThis.PhysX = PhysX;')
-    .replace(/import\.meta\.url/g, '"file:///page"'),
-  page,
-);
-const P = await page.PhysX({ wasmBinary: readFileSync(`${engine}.wasm`) });
-mkdirSync(scratch, { recursive: true });
-
+const P = await loadPhysx(join(adapters, 'physx'));
 const scale = new P.PxTolerancesScale();
 const foundation = P.CreateFoundation(P.PHYSICS_VERSION, new P.PxDefaultAllocator(), new P.PxDefaultErrorCallback());
 const physics = P.CreatePhysics(P.PHYSICS_VERSION, foundation, scale);
@@ -57,7 +42,7 @@ const ofBall = 0.4 * 0.05 * 0.05;
 const kUnwrapped = 3; // PxArticulationJointType::eREVOLUTE_UNWRAPPED
 const cases = {
   sliding: {
-    gravity: [0, 0, -9.81],
+    gravity: '0 0 -9.81',
     make: (world) => {
       const floor = physics.createRigidStatic(place([0, 0, 0]));
       put(floor, new P.PxPlaneGeometry(), place([0, 0, 0], [0, -Math.SQRT1_2, 0, Math.SQRT1_2]));
@@ -82,7 +67,7 @@ const cases = {
   <sphere name="ball" radius="5 cm" mass="1 kg" xyz="1 0 0.5" linear-velocity="0.3 0.1 0 m/s"/>`,
   },
   swinging: {
-    gravity: [0, -9.81, 0],
+    gravity: '0 -9.81 0',
     make: (world) => {
       const arm = physics.createArticulationReducedCoordinate();
       arm.setArticulationFlag(P.PxArticulationFlagEnum.eFIX_BASE, true);
@@ -114,35 +99,16 @@ const cases = {
   },
 };
 
-let same = true;
-for (const [name, { gravity, make, scene: inside }] of Object.entries(cases)) {
-  const world = makeWorld(gravity);
+beside('physx', cases, ({ gravity, make }) => {
+  const world = makeWorld(gravity.split(' ').map(Number));
   const made = make(world);
   for (let step = 0; step < 1000; ++step) {
     world.simulate(0.001);
     world.fetchResults(true);
   }
-  const scene = join(scratch, `${name}.scene.xml`);
-  writeFileSync(
-    scene,
-    `<scene name="${name}" version="1">
-  <physics backend="physx" step="1 ms" duration="1 s" gravity="${gravity.join(' ')}"/>
-  ${inside}
-</scene>
-`,
-  );
-  const json = execFileSync(cogrsim, ['run', scene, '--plugin-path', adapters, '--json', '-'], {
-    encoding: 'utf8',
-    cwd: scratch,
-    stdio: ['ignore', 'pipe', 'ignore'],
-  });
-  const { bodies } = JSON.parse(json);
-  for (const [body, it] of Object.entries(made)) {
+  const positions = Object.entries(made).map(([body, it]) => {
     const { x, y, z } = it.getGlobalPose().p;
-    const raw = JSON.stringify([x, y, z]);
-    const ours = JSON.stringify(bodies[body].position);
-    console.log(body, '\n  raw    ', raw, '\n  adapter', ours);
-    same &&= raw === ours;
-  }
-}
-process.exit(same ? 0 : 1);
+    return [body, [x, y, z]];
+  });
+  return Object.fromEntries(positions);
+});

@@ -2,6 +2,7 @@
 import { serve, type Support } from './cogrsim_backend.mjs';
 import { version } from './engine.ts';
 import { kOptions } from './options.ts';
+import { surfacePairs } from './scene.ts';
 import { JoltWorld } from './world.ts';
 
 const kSingle = 'Jolt computes in single precision';
@@ -20,12 +21,7 @@ const kCapabilities: Record<string, Support> = {
     'approximate',
     'nothing below 1 m/s bounces, see min-velocity-for-restitution; single precision',
   ],
-  'pair.plane-plane': kSurfaces,
-  'pair.plane-mesh': kSurfaces,
-  'pair.plane-heightmap': kSurfaces,
-  'pair.mesh-mesh': kSurfaces,
-  'pair.mesh-heightmap': kSurfaces,
-  'pair.heightmap-heightmap': kSurfaces,
+  ...surfacePairs(kSurfaces),
   'joint.*': kTypes,
   'loop.*': kTypes,
   'joint.fixed': ['approximate', 'a constraint, solved by iterations'],

@@ -1,8 +1,8 @@
 // Contacts of the last step, read from the state that Jolt saves: its listener has no impulses.
 import type { Contact } from './cogrsim_backend.mjs';
-import { J, type Jolt } from './engine.ts';
+import { J, type Jolt, perpendicular } from './engine.ts';
 import type { Motion } from './joints.ts';
-import { cross, dot, perpendicular, plus, scale, turn, type V3 } from './math.ts';
+import { cross, dot, plus, scale, turn, type V3 } from './math.ts';
 
 interface Side {
   body: number;

@@ -4,7 +4,7 @@ import { createRequire } from 'node:module';
 import Jolt from 'jolt-physics/wasm-compat';
 
 import { Refusal } from './cogrsim_backend.mjs';
-import { type Q4, type V3 } from './math.ts';
+import { type Q4, scale, type V3 } from './math.ts';
 
 export type { Jolt };
 /** Its memory is 128 MiB, and does not grow. */
@@ -85,4 +85,10 @@ export function replay(bytes: Uint8Array, read: (recorder: Jolt.StateRecorder) =
   const good = read(recorder);
   J.destroy(recorder);
   return good && at === bytes.length;
+}
+
+/** As Vec3::GetNormalizedPerpendicular of Jolt. */
+export function perpendicular([x, y, z]: V3): V3 {
+  if (Math.abs(x) > Math.abs(y)) return scale(1 / Math.hypot(x, z), [z, 0, -x]);
+  return scale(1 / Math.hypot(y, z), [0, z, -y]);
 }

@@ -1,18 +1,18 @@
 // Joints of the scene as Jolt's constraints, and the drives on their axes.
-import { J, type Jolt, record, vec, xyz } from './engine.ts';
+import { J, type Jolt, perpendicular, record, vec, xyz } from './engine.ts';
 import { Refusal, type Joint, type Scene } from './cogrsim_backend.mjs';
 import {
   conjugate,
   cross,
   dot,
   multiply,
-  perpendicular,
   plus,
   scale,
   turn,
   type Q4,
   type V3,
 } from './math.ts';
+import { motorsOf } from './scene.ts';
 
 /** Where a body is and how it moves, at its centre of mass. */
 export interface Motion {
@@ -337,7 +337,7 @@ export class Joints {
         q: pose.slice(3) as Q4,
       });
       this.#frames[j] = [frame(joint.X_PF, joint.parent), frame(joint.X_CM, joint.child)];
-      this.#drives[j] = scene.motors.flatMap((motor, m) => (motor.joint === j && !motor.removed ? [m] : []));
+      this.#drives[j] = motorsOf(scene, j);
       if (joint.removed || joint.type === 'free') return;
       const made: Jolt.Constraint[] = [];
       const create = (zero: number): Jolt.Constraint => {

@@ -2,30 +2,13 @@
 import { type Body, Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
 import { J, type Jolt, needMemory, quat, vec, xyz } from './engine.ts';
 import { multiply, plus, type Q4, type V3 } from './math.ts';
+import { heightMesh } from './scene.ts';
 
 /** Jolt's capsules and cylinders have their axis along y, those of scenes along z. */
 const kYToZ: Q4 = [Math.SQRT1_2, Math.SQRT1_2, 0, 0];
 /** From the middle of a plane to where Jolt's ends [m]; its own is 1000. */
 export const kPlane = 1e5;
 const kTriangle = 400; // [byte], while a mesh is built
-
-/** Both triangles of each cell, with the diagonal of scenes. */
-function heightMesh(scene: Scene, index: number): [number[], number[]] {
-  const { columns, rows, size_x, size_y, heights } = scene.heightmaps[index];
-  const points: number[] = [];
-  const corners: number[] = [];
-  for (let r = 0; r < rows; ++r) {
-    for (let c = 0; c < columns; ++c) {
-      const x = (c / (columns - 1) - 0.5) * size_x;
-      points.push(x, (r / (rows - 1) - 0.5) * size_y, heights[r * columns + c]);
-      if (r + 1 === rows || c + 1 === columns) continue;
-      const low = r * columns + c;
-      const high = low + columns;
-      corners.push(low, low + 1, high + 1, low, high + 1, high);
-    }
-  }
-  return [points, corners];
-}
 
 function created(settings: Jolt.ShapeSettings, name: string): Jolt.Shape {
   settings.AddRef();

@@ -24,7 +24,7 @@ import {
   xyz,
 } from './engine.ts';
 import { Joints, type Motion } from './joints.ts';
-import { cross, plus, turn, type Q4, type V3 } from './math.ts';
+import { cross, kHere, plus, poseOf, turn, type Q4, type V3, v3 } from './math.ts';
 import { setSettings } from './options.ts';
 import { shapeOf } from './shapes.ts';
 import { readContacts } from './contacts.ts';
@@ -34,7 +34,7 @@ import { Surfaces } from './surfaces.ts';
 const kBodies = 64;
 const kWorld = 22 << 20; // [byte]
 const kBody = 2 << 10;
-const kStill: Motion = { p: [0, 0, 0], q: [1, 0, 0, 0], v: [0, 0, 0], w: [0, 0, 0] };
+const kStill: Motion = { ...kHere, v: [0, 0, 0], w: [0, 0, 0] };
 
 export class JoltWorld implements World {
   #jolt!: Jolt.JoltInterface;
@@ -80,10 +80,7 @@ export class JoltWorld implements World {
       (b) => this.#com(b),
     );
     // What is static stays where the scene has it.
-    this.#motions = scene.bodies.map((_, b) => {
-      const pose = [...state.poses.subarray(7 * b, 7 * b + 7)];
-      return { ...kStill, p: pose.slice(0, 3) as V3, q: pose.slice(3) as Q4 };
-    });
+    this.#motions = scene.bodies.map((_, b) => ({ ...kStill, ...poseOf(state.poses, 7 * b) }));
     this.#readMotions();
     this.#before = this.#motions;
     this.#joints.read((b) => this.#motions[b] ?? kStill, state.positions);
@@ -145,7 +142,7 @@ export class JoltWorld implements World {
       it.mApplyGyroscopicForce = options['apply-gyroscopic-force'] === true;
       if (options['motion-quality'] === 'linear-cast') it.mMotionQuality = J.EMotionQuality_LinearCast;
     } else {
-      // What is driven goes as it is told.
+      // Kinematic bodies have no greatest speed.
       [it.mMaxLinearVelocity, it.mMaxAngularVelocity] = [1e9, 1e9];
     }
     it.mEnhancedInternalEdgeRemoval = options['enhanced-internal-edge-removal'] === true;
@@ -168,7 +165,7 @@ export class JoltWorld implements World {
 
   #setTwist(b: number, twists: Float64Array, q: Q4): void {
     const body = this.#bodies[b]!;
-    const [v, w] = [0, 3].map((i) => [...twists.subarray(6 * b + i, 6 * b + i + 3)] as unknown as V3);
+    const [v, w] = [v3(twists, 6 * b), v3(twists, 6 * b + 3)];
     body.SetLinearVelocity(vec(plus(v, cross(w, turn(q, this.#com(b))))));
     body.SetAngularVelocity(vec(w));
   }

@@ -2,15 +2,14 @@
 import { type Geom, writeSurfaces } from './contacts.ts';
 import { type Body, type Joint, type Options, Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
 import {
-  add,
   conjugate,
   inverse,
   kHere,
   multiply,
+  plus,
   type Pose,
   poseOf,
   scale,
-  subtract,
   turn,
   type V3,
   v3,
@@ -85,7 +84,7 @@ const cleaned = <T extends number[]>(v: T): T =>
 export function reference(joint: Joint): Pose {
   const [F, M] = [poseOf(joint.X_PF), poseOf(joint.X_CM)];
   const q = cleaned(multiply(F.q, conjugate(M.q)));
-  return { p: subtract(F.p, turn(q, M.p)), q };
+  return { p: plus(F.p, turn(q, M.p), -1), q };
 }
 
 const solved = (options: Options, where: string, ...names: string[]): string =>
@@ -218,13 +217,13 @@ class Writer implements Program {
     const X_PC = reference(joint);
     const X = branch.reversed ? inverse(X_PC) : X_PC;
     const above = this.#above(branch);
-    return above < 0 ? X : { p: subtract(X.p, this.origins[above]), q: X.q };
+    return above < 0 ? X : { p: plus(X.p, this.origins[above], -1), q: X.q };
   }
 
   #body(b: number): void {
     const body = this.scene.bodies[b];
     const X = this.#pose(b);
-    const p = add(X.p, turn(X.q, this.origins[b]));
+    const p = plus(X.p, turn(X.q, this.origins[b]));
     const lift = body.kind === 'kinematic' ? 1 : 1 - body.gravity_scale;
     const without = lift !== 0 && body.kind !== 'static' ? ` gravcomp="${lift}"` : '';
     this.#tree.push(`<body name="b${b}" pos="${p.join(' ')}" quat="${X.q.join(' ')}"${without}>\n`);
@@ -245,7 +244,7 @@ class Writer implements Program {
       const moment = mass * kLever * kLever;
       return `<inertial pos="0 0 0" mass="${mass}" diaginertia="${moment} ${moment} ${moment}"/>\n`;
     }
-    const at = subtract(body.com, this.origins[b]).join(' ');
+    const at = plus(body.com, this.origins[b], -1).join(' ');
     const [xx, xy, xz, , yy, yz, , , zz] = body.inertia;
     if (xy !== 0 || xz !== 0 || yz !== 0) {
       const six = [xx, yy, zz, xy, xz, yz].join(' ');
@@ -285,7 +284,7 @@ class Writer implements Program {
         const map = scene.heightmaps[shape.heightmap];
         const low = map.heights.reduce((a, h) => Math.min(a, h), Infinity);
         const rise = Math.max(map.heights.reduce((a, h) => Math.max(a, h), -Infinity) - low, 1e-6);
-        p = add(p, turn(q, [0, 0, low]));
+        p = plus(p, turn(q, [0, 0, low]));
         this.#assets.push(
           `<hfield name="h${g}" nrow="${map.rows}" ncol="${map.columns}" ` +
             `size="${map.size_x / 2} ${map.size_y / 2} ${rise} ${Math.max(1, rise)}"/>\n`,
@@ -300,7 +299,7 @@ class Writer implements Program {
     this.geoms.push({ body: b, shape: s, material: shape.material, mobile });
     // What does not move does not meet its like.
     const bits = mobile ? 'contype="1" conaffinity="3"' : 'contype="2" conaffinity="1"';
-    const at = subtract(p, this.origins[b]);
+    const at = plus(p, this.origins[b], -1);
     this.#tree.push(
       `<geom name="g${g}" class="s${shape.material}" ${text} pos="${at.join(' ')}" quat="${q.join(' ')}" ${bits}/>\n`,
     );
@@ -423,7 +422,7 @@ export function loopData(program: Program, scene: Scene, j: number): number[][] 
   const joint = scene.joints[j];
   const origin = (b: number): V3 => (b < 0 ? [0, 0, 0] : program.origins[b]);
   const [F, M] = [poseOf(joint.X_PF), poseOf(joint.X_CM)];
-  const [inParent, inChild] = [subtract(F.p, origin(joint.parent)), subtract(M.p, origin(joint.child))];
+  const [inParent, inChild] = [plus(F.p, origin(joint.parent), -1), plus(M.p, origin(joint.child), -1)];
   if (joint.type === 'fixed') {
     return [[...inChild, ...inParent, ...reference(joint).q]];
   }
@@ -433,7 +432,7 @@ export function loopData(program: Program, scene: Scene, j: number): number[][] 
     scene.bodies[joint.child >= 0 && scene.bodies[joint.child].kind === 'dynamic' ? joint.child : joint.parent];
   const half = Math.sqrt(Math.max(held.inertia[0], held.inertia[4], held.inertia[8]) / held.mass);
   return [half, -half].map(along => {
-    const on = (X: Pose, at: V3): V3 => add(at, turn(X.q, [0, 0, along]));
+    const on = (X: Pose, at: V3): V3 => plus(at, turn(X.q, [0, 0, along]));
     return [...on(F, inParent), ...on(M, inChild)];
   });
 }

@@ -21,20 +21,19 @@ import {
   mujoco,
 } from './engine.ts';
 import {
-  add,
   conjugate,
   cross,
   kHere,
   multiply,
   normalized,
+  plus,
   poseOf,
   q4,
   scale,
-  subtract,
   turn,
   turnBack,
-  type V3,
   v3,
+  type V3,
 } from './math.ts';
 import { loopData, type Program, reference, writeMjcf } from './mjcf.ts';
 
@@ -160,7 +159,7 @@ export class MujocoWorld implements World {
     const joint = model.body_jntadr[this.#bodies[b]];
     const q = q4(data.qpos, model.jnt_qposadr[joint] + 3);
     const spin = v3(twists, 6 * b + 3);
-    const at = add(v3(twists, 6 * b), cross(spin, turn(q, this.#program.origins[b])));
+    const at = plus(v3(twists, 6 * b), cross(spin, turn(q, this.#program.origins[b])));
     data.qvel.set([...at, ...turnBack(q, spin)], model.jnt_dofadr[joint]);
   }
 
@@ -173,7 +172,7 @@ export class MujocoWorld implements World {
       if (!this.#program.free[b] || this.#bodies[b] < 0) return;
       const { p, q } = poseOf(state.poses, 7 * b);
       const address = model.jnt_qposadr[model.body_jntadr[this.#bodies[b]]];
-      qpos.set([...add(p, turn(q, this.#program.origins[b])), ...q], address);
+      qpos.set([...plus(p, turn(q, this.#program.origins[b])), ...q], address);
       this.#setFreeVelocity(b, state.twists);
     });
     scene.joints.forEach((joint, j) => {
@@ -207,7 +206,7 @@ export class MujocoWorld implements World {
     const zero = moved === joint.child ? reference(joint).q : conjugate(reference(joint).q);
     const turned = multiply(conjugate(zero), multiply(conjugate(X_above.q), X.q));
     this.#data.qpos.set(normalized(turned), q);
-    this.#data.qvel.set(turnBack(X.q, subtract(spin, spinAbove)), u);
+    this.#data.qvel.set(turnBack(X.q, plus(spin, spinAbove, -1)), u);
   }
 
   step({ dt, drives, forces, twists }: StepInput): void {
@@ -286,17 +285,17 @@ export class MujocoWorld implements World {
       }
       const [p, q] = [v3(xpos, 3 * i), q4(xquat, 4 * i)];
       const r = turn(q, this.#program.origins[b]);
-      out.poses.set([...subtract(p, r), ...q], 7 * b);
+      out.poses.set([...plus(p, r, -1), ...q], 7 * b);
       if (this.#program.free[b]) {
         const u = jnt_dofadr[body_jntadr[i]];
         const spin = turn(q, v3(qvel, u + 3));
-        out.twists.set([...subtract(v3(qvel, u), cross(spin, r)), ...spin], 6 * b);
+        out.twists.set([...plus(v3(qvel, u), cross(spin, r), -1), ...spin], 6 * b);
         return;
       }
       // About the centre of mass of the whole tree.
       const spin = v3(cvel, 6 * i);
-      const arm = subtract(p, v3(centres, 3 * body_rootid[i]));
-      out.twists.set([...add(v3(cvel, 6 * i + 3), cross(spin, arm)), ...spin], 6 * b);
+      const arm = plus(p, v3(centres, 3 * body_rootid[i]), -1);
+      out.twists.set([...plus(v3(cvel, 6 * i + 3), cross(spin, arm)), ...spin], 6 * b);
     });
     if (!this.#hasStepped) return;
     this.#drives.efforts(this.#data, out.motorEfforts);
@@ -360,7 +359,7 @@ export class MujocoWorld implements World {
       const local = this.#force.GetView() as Float64Array;
       const [frame, point, depth] = [it.frame as Float64Array, v3(it.pos), -it.dist];
       const normal = v3(frame);
-      const force = [0, 1, 2].reduce((sum, k) => add(sum, scale(local[k], v3(frame, 3 * k))), [0, 0, 0] as V3);
+      const force = [0, 1, 2].reduce((sum, k) => plus(sum, scale(local[k], v3(frame, 3 * k))), [0, 0, 0] as V3);
       it.delete();
       yield [a[0], b[0], a[1], b[1], ...point, ...normal, depth, ...force];
     }
@@ -388,8 +387,8 @@ export class MujocoWorld implements World {
       const centre = v3(centres, 3 * model.body_rootid[i]);
       const child = this.#bodies[joint.child];
       const q = q4(xquat, 4 * child);
-      const M = add(v3(xpos, 3 * child), turn(q, subtract(v3(joint.X_CM), this.#program.origins[joint.child])));
-      const torque = add(v3(wrenches, 6 * i), cross(subtract(centre, M), force));
+      const M = plus(v3(xpos, 3 * child), turn(q, plus(v3(joint.X_CM), this.#program.origins[joint.child], -1)));
+      const torque = plus(v3(wrenches, 6 * i), cross(plus(centre, M, -1), force));
       const sign = moved === joint.child ? 1 : -1;
       out.set([...scale(sign, force), ...scale(sign, torque)], 6 * j);
     });

@@ -2,6 +2,7 @@
 import { serve, type Support } from './cogrsim_backend.mjs';
 import { version } from './engine.ts';
 import { kOptions } from './options.ts';
+import { surfacePairs } from './scene.ts';
 import { PhysxWorld } from './world.ts';
 
 const kSingle = 'PhysX computes in single precision';
@@ -23,12 +24,7 @@ const kCapabilities: Record<string, Support> = {
   'shape.mesh': ['approximate', `${kSingle}; on static and kinematic bodies`],
   'shape.heightmap': ['approximate', `a mesh; ${kSingle}; on static and kinematic bodies`],
   'pair.*': ['approximate', 'nothing below 2 m/s bounces, see bounce-threshold-velocity; single precision'],
-  'pair.plane-plane': kFixed,
-  'pair.plane-mesh': kFixed,
-  'pair.plane-heightmap': kFixed,
-  'pair.mesh-mesh': kFixed,
-  'pair.mesh-heightmap': kFixed,
-  'pair.heightmap-heightmap': kFixed,
+  ...surfacePairs(kFixed),
   'joint.*': kTypes,
   'loop.*': kTypes,
   'joint.fixed': ['approximate', `of an articulation; ${kSingle}`],

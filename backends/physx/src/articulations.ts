@@ -13,6 +13,7 @@ import {
   type Q4,
   type V3,
 } from './math.ts';
+import { motorsOf } from './scene.ts';
 
 /** PhysX's joints turn about and slide along x of their frames, those of scenes z. */
 const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
@@ -194,7 +195,7 @@ export class Articulations {
   ) {
     this.#joints = treeJoints(scene, attached);
     scene.joints.forEach((_, j) => {
-      this.#drives[j] = scene.motors.flatMap((motor, m) => (motor.joint === j && !motor.removed ? [m] : []));
+      this.#drives[j] = motorsOf(scene, j);
     });
   }
 

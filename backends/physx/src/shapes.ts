@@ -2,27 +2,10 @@
 import { type Body, Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
 import { P, type PhysX, physics, said, scale, transform, vec } from './engine.ts';
 import { multiply, poseOf, type Q4 } from './math.ts';
+import { checkSurfaces, heightMesh } from './scene.ts';
 
 /** PhysX's capsules and cylinders have their axis along x, and its planes look along it; those of scenes along z. */
 const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
-
-/** Both triangles of each cell, with the diagonal of scenes. */
-function heightMesh(scene: Scene, index: number): [number[], number[]] {
-  const { columns, rows, size_x, size_y, heights } = scene.heightmaps[index];
-  const points: number[] = [];
-  const corners: number[] = [];
-  for (let r = 0; r < rows; ++r) {
-    for (let c = 0; c < columns; ++c) {
-      const x = (c / (columns - 1) - 0.5) * size_x;
-      points.push(x, (r / (rows - 1) - 0.5) * size_y, heights[r * columns + c]);
-      if (r + 1 === rows || c + 1 === columns) continue;
-      const low = r * columns + c;
-      const high = low + columns;
-      corners.push(low, low + 1, high + 1, low, high + 1, high);
-    }
-  }
-  return [points, corners];
-}
 
 function points(of: number[]): PhysX.PxArray_PxVec3 {
   const out = new P.PxArray_PxVec3();
@@ -105,7 +88,7 @@ export class Shapes {
   readonly of = new Map<number, [number, number]>(); // body and shape, by PhysX's address
 
   constructor(readonly scene: Scene) {
-    checkSurfaces(scene);
+    checkSurfaces(scene, 'PhysX');
   }
 
   #material(m: number): PhysX.PxMaterial {
@@ -154,30 +137,5 @@ export class Shapes {
 
   free(): void {
     for (const material of this.#materials.values()) material.release();
-  }
-}
-
-/** Refuses pairs of materials that PhysX's rules do not give: it has no table of pairs. */
-function checkSurfaces(scene: Scene): void {
-  const used = new Set<number>();
-  for (const body of scene.bodies) {
-    if (body.removed) continue;
-    for (const shape of body.shapes) if (shape.collides) used.add(shape.material);
-  }
-  for (const a of used) {
-    for (const b of used) {
-      const [own, other, pair] = [scene.surfaces[a][a], scene.surfaces[b][b], scene.surfaces[a][b]];
-      const friction = Math.sqrt(own.friction * other.friction);
-      const restitution = Math.max(own.restitution, other.restitution);
-      const same =
-        Math.abs(friction - pair.friction) <= 1e-6 * Math.max(1, friction) &&
-        Math.abs(restitution - pair.restitution) <= 1e-6;
-      if (same) continue;
-      throw new Refusal(
-        `PhysX combines coefficients by rules alone: the pair of materials ` +
-          `'${scene.materials[a].name}' and '${scene.materials[b].name}' has another friction or ` +
-          'restitution than the root of the product and the larger one',
-      );
-    }
   }
 }

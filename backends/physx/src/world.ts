@@ -11,7 +11,21 @@ import {
 import { Articulations } from './articulations.ts';
 import { Contacts } from './contacts.ts';
 import { dispatcher, P, type PhysX, physics, read, readPose, said, scale, transform, vec } from './engine.ts';
-import { cross, plus, type Pose, poseOf, principal, turn, turned, type V3 } from './math.ts';
+import {
+  cross,
+  kHere,
+  multiply,
+  normalized,
+  plus,
+  type Pose,
+  poseOf,
+  principal,
+  type Q4,
+  scale as times,
+  turn,
+  type V3,
+  v3,
+} from './math.ts';
 import { Shapes } from './shapes.ts';
 
 const kGyroscopic = 1 << 10; // PxRigidBodyFlag::eENABLE_GYROSCOPIC_FORCES, whose name the package does not have
@@ -21,6 +35,15 @@ interface Motion extends Pose {
   v: V3; // of the centre of mass
   w: V3;
   com: V3; // in the world
+}
+
+const kStill: Motion = { ...kHere, v: kZero, w: kZero, com: kZero };
+
+/** q after a turn by the vector `angle` in the world. */
+function turned(q: Q4, angle: V3): Q4 {
+  const size = Math.hypot(...angle);
+  const share = size < 1e-12 ? 0.5 : Math.sin(size / 2) / size;
+  return normalized(multiply([Math.cos(size / 2), ...times(share, angle)], q));
 }
 
 export class PhysxWorld implements World {
@@ -62,11 +85,10 @@ export class PhysxWorld implements World {
       this.#actors[b] = link;
       this.#setUp(link, b, true);
     });
-    this.#trees.motionOf = (b) =>
-      this.#motions[b] ?? { p: kZero, q: [1, 0, 0, 0], v: kZero, w: kZero, com: kZero };
+    this.#trees.motionOf = (b) => this.#motions[b] ?? kStill;
     this.#motions = scene.bodies.map((model, b) => {
       const { p, q } = poseOf(state.poses, 7 * b);
-      const [v, w] = [0, 3].map((i) => [...state.twists.subarray(6 * b + i, 6 * b + i + 3)] as unknown as V3);
+      const [v, w] = [v3(state.twists, 6 * b), v3(state.twists, 6 * b + 3)];
       const arm = turn(q, model.com);
       return { p, q, v: plus(v, cross(w, arm)), w, com: plus(p, arm) };
     });
@@ -188,7 +210,7 @@ export class PhysxWorld implements World {
   /** A kinematic body goes to where its twist takes it. */
   #carry(b: number, dt: number, twists: Float64Array): void {
     const at = this.#motions[b];
-    const [v, w] = [0, 3].map((i) => [...twists.subarray(6 * b + i, 6 * b + i + 3)] as unknown as V3);
+    const [v, w] = [v3(twists, 6 * b), v3(twists, 6 * b + 3)];
     const next = { p: plus(at.p, v, dt), q: turned(at.q, w.map((x) => x * dt) as V3) };
     (this.#actors[b] as PhysX.PxRigidDynamic).setKinematicTarget(transform(next));
     this.#motions[b] = { ...next, v, w, com: next.p };
@@ -240,8 +262,7 @@ export class PhysxWorld implements World {
     this.#trees = next.#trees;
     this.#actors = next.#actors;
     this.#motions = next.#motions;
-    this.#trees.motionOf = (b) =>
-      this.#motions[b] ?? { p: kZero, q: [1, 0, 0, 0], v: kZero, w: kZero, com: kZero };
+    this.#trees.motionOf = (b) => this.#motions[b] ?? kStill;
     this.#dt = 0;
   }
 

@@ -11,9 +11,11 @@ import {
   type Support,
   type World,
 } from './cogrsim_backend.mjs';
+import { type Xyz, xyz, xyzw } from './convert.ts';
 import { type Joints, makeJoints } from './joints.ts';
-import { cross, plus, principal, turn, type V3, type Xyz, xyz, xyzw } from './math.ts';
-import { checkSurfaces, colliderOf } from './shapes.ts';
+import { cross, plus, principal, turn, type V3 } from './math.ts';
+import { checkSurfaces, surfacePairs } from './scene.ts';
+import { colliderOf } from './shapes.ts';
 
 await RAPIER.init();
 
@@ -50,7 +52,7 @@ class RapierWorld implements World {
     readonly scene: Scene,
     state: State,
   ) {
-    checkSurfaces(scene);
+    checkSurfaces(scene, 'Rapier');
     this.#world = new RAPIER.World(xyz(scene.gravity));
     try {
       this.#setOptions();
@@ -318,12 +320,7 @@ const kNoInterface = "Rapier's interface for JavaScript does not have it";
 const kCapabilities: Record<string, Support> = {
   'shape.*': ['approximate', 'Rapier computes in single precision'],
   'pair.*': ['approximate', 'soft contact in single precision: rests in some 0.1 mm of penetration'],
-  'pair.plane-plane': ['unsupported', 'two surfaces: neither can be moved by forces'],
-  'pair.plane-mesh': ['unsupported', 'two surfaces: neither can be moved by forces'],
-  'pair.plane-heightmap': ['unsupported', 'two surfaces: neither can be moved by forces'],
-  'pair.mesh-mesh': ['unsupported', 'two surfaces: neither can be moved by forces'],
-  'pair.mesh-heightmap': ['unsupported', 'two surfaces: neither can be moved by forces'],
-  'pair.heightmap-heightmap': ['unsupported', 'two surfaces: neither can be moved by forces'],
+  ...surfacePairs(['unsupported', 'two surfaces: neither can be moved by forces']),
   'joint.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
   'loop.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
   'joint.rotor-inertia.*': ['unsupported', 'Rapier has no inertia of rotors'],

@@ -2,7 +2,8 @@
 import RAPIER from '@dimforge/rapier3d-compat';
 
 import { Refusal, type Joint, type Scene } from './cogrsim_backend.mjs';
-import { conjugate, dot, multiply, plus, turn, type Q4, type V3, xyz, xyzw } from './math.ts';
+import { xyz, xyzw } from './convert.ts';
+import { conjugate, dot, multiply, plus, turn, type Q4, type V3 } from './math.ts';
 
 /** Rapier's joints turn about and slide along x of their frames, those of scenes z. */
 const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];

@@ -2,28 +2,15 @@
 import RAPIER from '@dimforge/rapier3d-compat';
 
 import { Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
-import { multiply, type Q4, xyzw } from './math.ts';
+import { xyzw } from './convert.ts';
+import { multiply, type Q4 } from './math.ts';
+import { heightMesh } from './scene.ts';
 
 /** Rapier's capsules and cylinders have their axis along y, those of scenes along z. */
 const kYToZ: Q4 = [Math.SQRT1_2, Math.SQRT1_2, 0, 0];
 
-/** Both triangles of each cell, with the diagonal of scenes. */
-function heightMesh(scene: Scene, index: number): [Float32Array, Uint32Array] {
-  const { columns, rows, size_x, size_y, heights } = scene.heightmaps[index];
-  const points: number[] = [];
-  const corners: number[] = [];
-  for (let r = 0; r < rows; ++r) {
-    for (let c = 0; c < columns; ++c) {
-      const x = (c / (columns - 1) - 0.5) * size_x;
-      points.push(x, (r / (rows - 1) - 0.5) * size_y, heights[r * columns + c]);
-      if (r + 1 === rows || c + 1 === columns) continue;
-      const low = r * columns + c;
-      const high = low + columns;
-      corners.push(low, low + 1, high + 1, low, high + 1, high);
-    }
-  }
-  return [Float32Array.from(points), Uint32Array.from(corners)];
-}
+const trimesh = (points: number[], corners: number[]): RAPIER.ColliderDesc =>
+  RAPIER.ColliderDesc.trimesh(Float32Array.from(points), Uint32Array.from(corners));
 
 function describe(scene: Scene, shape: Shape): RAPIER.ColliderDesc {
   const mesh = scene.meshes[shape.mesh];
@@ -44,12 +31,9 @@ function describe(scene: Scene, shape: Shape): RAPIER.ColliderDesc {
       return hull;
     }
     case 'mesh':
-      return RAPIER.ColliderDesc.trimesh(
-        Float32Array.from(mesh.vertices),
-        Uint32Array.from(mesh.triangles),
-      );
+      return trimesh(mesh.vertices, mesh.triangles);
     case 'heightmap':
-      return RAPIER.ColliderDesc.trimesh(...heightMesh(scene, shape.heightmap));
+      return trimesh(...heightMesh(scene, shape.heightmap));
   }
 }
 
@@ -70,33 +54,3 @@ export function colliderOf(scene: Scene, shape: Shape): RAPIER.ColliderDesc {
     .setRestitution(surface.restitution)
     .setRestitutionCombineRule(RAPIER.CoefficientCombineRule.Max);
 }
-
-/** Refuses pairs of materials that these rules do not give. */
-export function checkSurfaces(scene: Scene): void {
-  const used = new Set<number>();
-  for (const body of scene.bodies) {
-    if (body.removed) continue;
-    for (const shape of body.shapes) if (shape.collides) used.add(shape.material);
-  }
-  for (const a of used) {
-    for (const b of used) {
-      const [own, other, pair] = [
-        scene.surfaces[a][a],
-        scene.surfaces[b][b],
-        scene.surfaces[a][b],
-      ];
-      const friction = Math.sqrt(own.friction * other.friction);
-      const restitution = Math.max(own.restitution, other.restitution);
-      const same =
-        Math.abs(friction - pair.friction) <= 1e-6 * Math.max(1, friction) &&
-        Math.abs(restitution - pair.restitution) <= 1e-6;
-      if (same) continue;
-      throw new Refusal(
-        `Rapier combines coefficients by rules alone: the pair of materials ` +
-          `'${scene.materials[a].name}' and '${scene.materials[b].name}' has another friction or ` +
-          'restitution than the root of the product and the larger one',
-      );
-    }
-  }
-}
-
