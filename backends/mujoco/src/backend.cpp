@@ -53,7 +53,7 @@ Capabilities make_capabilities() {
   out.set("contact.stiffness", Support::unsupported,
           "MuJoCo's contacts yield by acceleration, not by force: see solref and solimp");
   out.set("contact.surface-velocity", Support::unsupported,
-          "MuJoCo 2.2 has no velocity of surfaces; use a kinematic body");
+          "MuJoCo has no velocity of surfaces; use a kinematic body");
   out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
               "one pyramid with sliding; slides slowly, as friction does");
   out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
@@ -125,4 +125,4 @@ class MujocoBackend final : public Backend {
 
 COGRSIM_BACKEND(cogrsim::mujoco::MujocoBackend, "mujoco", version("0.1.0"),
                 author("the CogRSim authors"),
-                summary("MuJoCo 2.2 as it ships: generalized coordinates, soft constraints"))
+                summary("MuJoCo as it ships: generalized coordinates, soft constraints"))

@@ -14,9 +14,7 @@ inline Quat quat_at(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 inline void put(double* to, const Vec3& v) { std::copy_n(v.data(), 3, to); }
 inline void put(double* to, const Quat& q) {
   to[0] = q.w();
-  to[1] = q.x();
-  to[2] = q.y();
-  to[3] = q.z();
+  put(to + 1, Vec3(q.vec()));
 }
 
 /// A coordinate that came out of poses: what differs from zero by rounding is zero.
@@ -25,9 +23,8 @@ inline double settled(double q) { return std::abs(q) < 1e-15 ? 0.0 : q; }
 /// A unit vector that came out of a quaternion: what differs from an axis of its frame by rounding
 /// is that axis.
 inline Vec3 cleaned(Vec3 v) {
-  for (double& x : v) {
+  for (double& x : v)
     if (std::abs(x - std::round(x)) < 1e-15) x = std::round(x);
-  }
   return v;
 }
 

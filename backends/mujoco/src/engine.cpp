@@ -55,13 +55,19 @@ void install_handlers() {
 }
 
 Result<ModelOwner> compile(const std::string& mjcf) {
+  if (mj_version() != mjVERSION_HEADER)
+    return fail("built for another MuJoCo than " + std::string(mj_versionString()) + ": build again");
   const auto files = std::make_unique<mjVFS>();  // 2 MB, too much for a stack
   mj_defaultVFS(files.get());
   char problem[1000] = "";
   ModelOwner model;
   const auto done = guarded([&] {
+#if mjVERSION_HEADER < 320
     mj_makeEmptyFileVFS(files.get(), "scene.xml", static_cast<int>(mjcf.size()));
     std::copy(mjcf.begin(), mjcf.end(), static_cast<char*>(files->filedata[0]));
+#else
+    mj_addBufferVFS(files.get(), "scene.xml", mjcf.data(), static_cast<int>(mjcf.size()));
+#endif
     model.reset(mj_loadXML("scene.xml", files.get(), problem, sizeof problem));
   });
   mj_deleteVFS(files.get());

@@ -66,11 +66,17 @@ Result<> MujocoWorld::adopt(const ProgramPtr& program) {
 Result<> MujocoWorld::make_room(mjModel& m, double contacts, double stack) {
   const auto movable = std::count(m.geom_conaffinity, m.geom_conaffinity + m.ngeom, 3);
   m.nconmax = clamped(contacts * (16.0 + 2.0 * static_cast<double>(movable)));
-  m.njmax = clamped(16.0 + m.nemax + m.njnt + 4.0 * m.nconmax);  // a matrix has its square
-  const double rows = m.njmax + m.neq + m.nv;
-  m.nstack =
-      clamped(stack * (std::min(5 * rows * rows, 3e7) + 1.0 * m.nbody * m.nbody +
-                       20.0 * (m.nq + m.nv + m.nu + m.nbody + m.njnt + m.ngeom + m.neq) + 1000.0));
+  m.njmax = clamped(16.0 + double(m.nemax + m.njnt) + 4.0 * double(m.nconmax));
+  const double rows = double(m.njmax + m.neq + m.nv);  // a matrix has its square
+  const double sizes = double(m.nq + m.nv + m.nu + m.nbody + m.njnt + m.ngeom + m.neq);
+  const double numbers = stack * (std::min(5 * rows * rows, 3e7) +
+                                  double(m.nbody) * double(m.nbody) + 20.0 * sizes + 1000.0);
+#if mjVERSION_HEADER < 230
+  m.nstack = clamped(numbers);
+#else  // bytes, in which contacts and their rows lie, too
+  m.narena = static_cast<decltype(m.narena)>(8.0 * (numbers + rows * (double(m.nv) + 20.0)) +
+                                             double(sizeof(mjContact)) * double(m.nconmax));
+#endif
   auto data = make_data(m);
   if (!data) return tl::unexpected(data.error());
   data_ = std::move(*data);
@@ -105,20 +111,11 @@ double MujocoWorld::speed_of(std::size_t actuator) const {
 
 double MujocoWorld::response_of(int dof) const {
   const mjModel& m = *model_;
-  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree.
-  // The response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
-  std::vector<double>& y = scratch_;
-  y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
-  for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[k] = 0.0;
-  y[dof] = 1.0;
-  double response = 0.0;
-  for (int k = dof; k >= 0; k = m.dof_parentid[k]) {
-    const double y_k = y[k];
-    const double* entry = data_->qLD + m.dof_Madr[k];
-    for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) y[j] -= *++entry * y_k;
-    response += y_k * y_k * data_->qLDiagInv[k];
-  }
-  return response;
+  std::vector<double>& x = scratch_;  // M^-1 of a unit impulse, and the impulse
+  x.assign(2 * static_cast<std::size_t>(m.nv), 0.0);
+  x[m.nv + dof] = 1.0;
+  mj_solveM(&m, data_.get(), x.data(), x.data() + m.nv, 1);
+  return x[dof];
 }
 
 void MujocoWorld::find_responses() {
@@ -183,7 +180,7 @@ StepResult MujocoWorld::advance(double dt, const std::vector<Drive>& drives,
       continue;
     }
     if (!done) data_->pstack = 0;
-    if (!done && done.error().message != "MuJoCo: Stack overflow")
+    if (!done && done.error().message.find("tack overflow") == std::string::npos)
       return lost(-1, done.error().message);
     // Its memory was too small: the step is undone, and repeated with more.
     const auto made =

@@ -141,7 +141,7 @@ void MujocoWorld::put_state(const WorldState& state, std::size_t first) {
     if (j >= first) std::transform(q, q + position_count(scene.joints[j].type), q, settled);
     put_joint(j, q, state.joint_velocities.data() + scene.joints[j].speed_offset);
   }
-  mju_zero(data_->qacc_warmstart, model_->nv);
+  mju_zero(data_->qacc_warmstart, int(model_->nv));
   kinematics_ = Kinematics::none;
   follow();
   forget_step();
