@@ -12,11 +12,9 @@ const kBare: Support = [
   'approximate',
   'a joint of iterations, without motor, limit, spring, damper, friction or rotor',
 ];
+const kDamping: Support = ['approximate', "PhysX's drive, implicit; beside a motor that of a second joint"];
 const kSpring: Support = ['approximate', "PhysX's drive, implicit; explicit beside a motor"];
-const kFriction: Support = [
-  'approximate',
-  "PhysX's drive towards rest, so not on an axis that a motor drives",
-];
+const kFriction: Support = ['approximate', "PhysX's drive towards rest; beside a motor that of a second joint"];
 
 const kCapabilities: Record<string, Support> = {
   'shape.*': ['approximate', kSingle],
@@ -42,8 +40,8 @@ const kCapabilities: Record<string, Support> = {
   'loop.free': 'exact',
   'joint.limit.hinge': ['approximate', "PhysX's, at any angle"],
   'joint.limit.slider': ['approximate', "PhysX's"],
-  'joint.damping.hinge': kSpring,
-  'joint.damping.slider': kSpring,
+  'joint.damping.hinge': kDamping,
+  'joint.damping.slider': kDamping,
   'joint.stiffness.hinge': kSpring,
   'joint.stiffness.slider': kSpring,
   'joint.friction.hinge': kFriction,
@@ -88,8 +86,8 @@ serve({
       'narrow-phase': ['engine', 'PxScene::simulate, persistent contact manifolds'],
       'contact-memory': ['engine', 'PxScene::simulate, persistent contact manifolds'],
       'contact-law': ['engine', `PxScene::simulate, ${String(options['solver-type']).toUpperCase()} solver`],
-      friction: ['engine', 'PxFrictionType::ePATCH, PxCombineMode::eMULTIPLY of roots'],
-      restitution: ['engine', 'PxCombineMode::eMAX, bounceThresholdVelocity'],
+      friction: ['engine', 'PxFrictionType::ePATCH, the PxCombineMode that gives all pairs'],
+      restitution: ['engine', 'bounceThresholdVelocity, the PxCombineMode that gives all pairs'],
       joints: ['engine', 'PxArticulationReducedCoordinate; loops by PxJoint'],
       limits: ['engine', 'PxArticulationJointReducedCoordinate::setLimitParams'],
       motors: [

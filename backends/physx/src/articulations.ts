@@ -57,12 +57,6 @@ class Axis {
     this.#isHinge = joint.type === 'hinge';
     this.#axis = this.#isHinge ? P.PxArticulationAxisEnum.eTWIST : P.PxArticulationAxisEnum.eX;
     const { lower, upper, rotor_inertia, friction, damping, stiffness, rest } = joint.axes[0];
-    if (friction > 0 && this.#driver !== -1) {
-      throw new Refusal(
-        `joint '${joint.name}': PhysX has one drive for an axis in this package, and it is the motor's: ` +
-          `leave its dry friction out, --without joint.friction.${joint.type}`,
-      );
-    }
     made.setJointType((this.#isHinge ? kUnwrapped : kPrismatic) as unknown as Type);
     const { eFREE, eLIMITED } = P.PxArticulationMotionEnum;
     const isLimited = lower !== -Infinity || upper !== Infinity;
@@ -79,6 +73,16 @@ class Axis {
       this.#drive(stiffness, damping, kMost);
       made.setDriveTarget(this.#axis, rest);
     }
+  }
+
+  /** What has no drive of the articulation: damping and greatest effort of drives towards rest. */
+  get beside(): [number, number][] {
+    const { friction, damping } = this.joint.axes[0];
+    const isDriven = this.#driver !== -1;
+    const out: [number, number][] = [];
+    if (isDriven && friction > 0) out.push([kRigid, friction]);
+    if ((isDriven || friction > 0) && damping > 0) out.push([damping, kMost]);
+    return out;
   }
 
   get q(): number {
@@ -101,13 +105,11 @@ class Axis {
 
   /** Laws of motors, six numbers each, as PhysX's drive; returns the effort that is applied beside it. */
   prepare(drives: Float64Array[], coupled: number): number {
-    const { damping, stiffness, rest, friction } = this.joint.axes[0];
+    const { stiffness, rest, friction } = this.joint.axes[0];
     this.#coupled = coupled;
     this.#applied = 0;
-    // Beside what takes the drive, springs and dampers are explicit.
-    if ((this.#driver !== -1 || friction > 0) && (damping > 0 || stiffness > 0)) {
-      this.#applied -= damping * this.u + stiffness * (this.q - rest);
-    }
+    // Beside what takes the drive, springs are explicit.
+    if (this.#driver !== -1 || friction > 0) this.#applied -= stiffness * (this.q - rest);
     this.#laws = drives.map((law, m) => {
       const [bias, kp, position, kd, velocity, most] = law;
       const isTorque = kp === 0 && kd === 0;
@@ -125,12 +127,14 @@ class Axis {
   }
 
   /** What PhysX has applied to the bodies, and so not to the joint. */
-  get beside(): number {
+  get applied(): number {
     return this.#applied + this.#coupled;
   }
   /** What acts along the axis; CogRSim adds the efforts of couplings. `inJoint`: of PhysX's joint. */
   effort(inJoint: number): number {
-    return inJoint + this.#applied;
+    // PhysX does not tell the forces of drives of joints: by their law, at the end of the step.
+    const beside = this.beside.map(([damping, most]) => clamp(-damping * this.u, most));
+    return beside.reduce((sum, x) => sum + x, inJoint + this.#applied);
   }
 
   motorEffort(m: number, inJoint: number): number {
@@ -183,7 +187,7 @@ export class Articulations {
   readonly #axes: (Axis | undefined)[] = [];
   readonly #drives: number[][] = []; // motors, by joint
   readonly #trees: Tree[] = [];
-  readonly #loops = new Map<number, PhysX.PxJoint>();
+  readonly #loops: PhysX.PxJoint[] = []; // and drives, outside of trees
   readonly #joints: Map<number, number>;
   readonly #frames: Pose[] = []; // F of PhysX where that is turned, by joint
 
@@ -371,21 +375,49 @@ export class Articulations {
       }[joint.type as 'fixed' | 'hinge' | 'slider' | 'ball'] as typeof P.FixedJointCreate | undefined;
       if (!create)
         throw new Refusal(`joint '${joint.name}': this adapter has no joint of the type ${joint.type}`);
-      const [F, M] = [joint.X_PF, joint.X_CM].map((pose) => {
-        const { p, q } = inFrame(poseOf(pose));
-        const [v, r] = [new P.PxVec3(...p), new P.PxQuat(q[1], q[2], q[3], q[0])];
-        const out = new P.PxTransform(v, r);
-        P.destroy(v);
-        P.destroy(r);
-        return out;
-      });
-      const made = create(physics, actorOf(joint.parent) as Actor, F, actorOf(joint.child) as Actor, M);
-      P.destroy(F);
-      P.destroy(M);
+      const made = this.#between(create, joint, actorOf);
       if (address(made) === 0) throw new Refusal(`joint '${joint.name}': PhysX does not take it: ${said()}`);
       made.setConstraintFlag(P.PxConstraintFlagEnum.eCOLLISION_ENABLED, joint.bodies_collide);
-      this.#loops.set(j, made);
+      this.#loops.push(made);
     });
+    this.#axes.forEach((axis, j) => {
+      for (const [damping, most] of axis?.beside ?? []) this.#addDrive(j, damping, most, actorOf);
+    });
+  }
+
+  #between<T extends PhysX.PxJoint>(
+    create: (physics: PhysX.PxPhysics, a: Actor, F: PhysX.PxTransform, b: Actor, M: PhysX.PxTransform) => T,
+    joint: Joint,
+    actorOf: (body: number) => Actor | null,
+  ): T {
+    const [F, M] = [joint.X_PF, joint.X_CM].map((pose) => {
+      const { p, q } = inFrame(poseOf(pose));
+      const [v, r] = [new P.PxVec3(...p), new P.PxQuat(q[1], q[2], q[3], q[0])];
+      const out = new P.PxTransform(v, r);
+      P.destroy(v);
+      P.destroy(r);
+      return out;
+    });
+    const made = create(physics, actorOf(joint.parent) as Actor, F, actorOf(joint.child) as Actor, M);
+    P.destroy(F);
+    P.destroy(M);
+    return made;
+  }
+
+  /** An axis has one drive in an articulation: another is that of a joint that holds nothing. */
+  #addDrive(j: number, damping: number, most: number, actorOf: (body: number) => Actor | null): void {
+    const joint = this.scene.joints[j];
+    const { PxD6AxisEnum, PxD6DriveEnum, PxD6MotionEnum } = P;
+    const made = this.#between(P.D6JointCreate, joint, actorOf);
+    if (address(made) === 0) throw new Refusal(`joint '${joint.name}': PhysX does not take it: ${said()}`);
+    const { eX, eY, eZ, eTWIST, eSWING1, eSWING2 } = PxD6AxisEnum;
+    for (const axis of [eX, eY, eZ, eTWIST, eSWING1, eSWING2]) made.setMotion(axis, PxD6MotionEnum.eFREE);
+    const drive = new P.PxD6JointDrive(0, damping, most, false);
+    made.setDrive(joint.type === 'hinge' ? PxD6DriveEnum.eTWIST : PxD6DriveEnum.eX, drive);
+    P.destroy(drive);
+    made.setConstraintFlag(P.PxConstraintFlagEnum.eDRIVE_LIMITS_ARE_FORCES, true);
+    made.setConstraintFlag(P.PxConstraintFlagEnum.eCOLLISION_ENABLED, joint.bodies_collide);
+    this.#loops.push(made);
   }
 
   /** Sets drives, and applies what is beside them. */
@@ -449,14 +481,14 @@ export class Articulations {
     const incoming = this.#incoming();
     for (const [j, wrench] of incoming) {
       const joint = this.scene.joints[j];
-      wrench[joint.type === 'hinge' ? 1 : 0][0] += this.#axes[j]?.beside ?? 0;
+      wrench[joint.type === 'hinge' ? 1 : 0][0] += this.#axes[j]?.applied ?? 0;
       const q = multiply(this.motionOf(joint.child).q, inFrame(poseOf(joint.X_CM)).q);
       out.set([...turn(q, wrench[0]), ...turn(q, wrench[1])], 6 * j);
     }
   }
 
   free(): void {
-    for (const joint of this.#loops.values()) joint.release();
+    for (const joint of this.#loops) joint.release();
     for (const { articulation, cache } of this.#trees) {
       cache?.release();
       articulation.release();

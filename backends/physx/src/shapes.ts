@@ -2,7 +2,7 @@
 import { type Body, Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
 import { P, type PhysX, physics, said, scale, transform, vec } from './engine.ts';
 import { multiply, poseOf, type Q4 } from './math.ts';
-import { checkSurfaces, heightMesh } from './scene.ts';
+import { combineRules, heightMesh, type Rules } from './scene.ts';
 
 /** PhysX's capsules and cylinders have their axis along x, and its planes look along it; those of scenes along z. */
 const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
@@ -87,18 +87,21 @@ export class Shapes {
   readonly #materials = new Map<number, PhysX.PxMaterial>();
   readonly of = new Map<number, [number, number]>(); // body and shape, by PhysX's address
 
+  readonly #rules: Rules;
+
   constructor(readonly scene: Scene) {
-    checkSurfaces(scene, 'PhysX');
+    this.#rules = combineRules(scene, 'PhysX');
   }
 
   #material(m: number): PhysX.PxMaterial {
     const known = this.#materials.get(m);
     if (known) return known;
-    const surface = this.scene.surfaces[m][m];
-    const friction = Math.sqrt(surface.friction);
-    const material = physics.createMaterial(friction, friction, surface.restitution);
-    material.setFrictionCombineMode(P.PxCombineModeEnum.eMULTIPLY);
-    material.setRestitutionCombineMode(P.PxCombineModeEnum.eMAX);
+    const { eMULTIPLY, eMAX, eMIN, eAVERAGE } = P.PxCombineModeEnum;
+    const modes = { multiply: eMULTIPLY, max: eMAX, min: eMIN, average: eAVERAGE };
+    const { friction, restitution } = this.#rules;
+    const material = physics.createMaterial(friction.own(m), friction.own(m), restitution.own(m));
+    material.setFrictionCombineMode(modes[friction.rule]);
+    material.setRestitutionCombineMode(modes[restitution.rule]);
     this.#materials.set(m, material);
     return material;
   }

@@ -14,7 +14,7 @@ import {
 import { type Xyz, xyz, xyzw } from './convert.ts';
 import { type Joints, makeJoints } from './joints.ts';
 import { cross, plus, principal, turn, type V3 } from './math.ts';
-import { checkSurfaces, surfacePairs } from './scene.ts';
+import { combineRules, type Rules, surfacePairs } from './scene.ts';
 import { colliderOf } from './shapes.ts';
 
 await RAPIER.init();
@@ -32,11 +32,15 @@ interface Handles {
   ground: number;
   bodies: number[];
   colliders: number[][];
-  joints: number[];
+  joints: number[][];
 }
+
+/** So many hold a rotor of ten times the inertia that it turns to 1 %. */
+const kRotorIterations = 32;
 
 class RapierWorld implements World {
   #world: RAPIER.World;
+  readonly #rules: Rules;
   #ground!: RAPIER.RigidBody;
   #bodies: (RAPIER.RigidBody | undefined)[] = [];
   #colliders: number[][] = [];
@@ -52,13 +56,13 @@ class RapierWorld implements World {
     readonly scene: Scene,
     state: State,
   ) {
-    checkSurfaces(scene, 'Rapier');
+    this.#rules = combineRules(scene, 'Rapier');
     this.#world = new RAPIER.World(xyz(scene.gravity));
     try {
       this.#setOptions();
       this.#ground = this.#world.createRigidBody(RAPIER.RigidBodyDesc.fixed());
       scene.bodies.forEach((_, b) => this.#makeBody(state, b));
-      this.#joints = makeJoints(this.#world, scene, (b) => this.#bodies[b] ?? this.#ground);
+      this.#joints = makeJoints(this.#world, scene, (b) => this.#bodies[b] ?? this.#ground, state);
       this.#takeNumbers(state);
     } catch (error) {
       this.free();
@@ -70,7 +74,11 @@ class RapierWorld implements World {
     const { options } = this.scene;
     const parameters = this.#world.integrationParameters;
     parameters.numSolverIterations = Number(options['num-solver-iterations']);
-    parameters.numInternalPgsIterations = Number(options['num-internal-pgs-iterations']);
+    // A sweep sees the rotor beside the body alone, and not what its joint holds.
+    const hasRotors = this.scene.joints.some(({ removed, axes }) => !removed && axes.some((axis) => axis.rotor_inertia > 0));
+    parameters.numInternalPgsIterations =
+      Number(options['num-internal-pgs-iterations']) ||
+      (hasRotors ? kRotorIterations : parameters.numInternalPgsIterations);
     parameters.maxCcdSubsteps = Number(options['max-ccd-substeps']);
     parameters.normalizedAllowedLinearError = Number(options['normalized-allowed-linear-error']);
     parameters.normalizedPredictionDistance = Number(options['normalized-prediction-distance']);
@@ -104,7 +112,7 @@ class RapierWorld implements World {
     this.#setTwist(b, state.twists);
     model.shapes.forEach((shape, s) => {
       if (!shape.collides) return;
-      this.#colliders[b][s] = this.#world.createCollider(colliderOf(this.scene, shape), body).handle;
+      this.#colliders[b][s] = this.#world.createCollider(colliderOf(this.scene, this.#rules, shape), body).handle;
     });
   }
 
@@ -180,14 +188,16 @@ class RapierWorld implements World {
       body.addTorque(xyz(forces, 6 * b + 3), true);
     });
     this.#isPushed = forces !== null || this.#joints.axes.some((axis) => axis !== undefined);
+    const substeps = this.#world.integrationParameters.numSolverIterations;
     const beside = new Float64Array(this.scene.joints.length);
     this.scene.motors.forEach((motor, m) => {
       if (!motor.removed) beside[motor.joint] += this.#joints.axes[motor.joint]!.drive(drives, 6 * m);
     });
     this.#joints.axes.forEach((axis, j) => {
       axis?.setLimits();
+      axis?.setPassive(dt, substeps);
       const coupled = efforts ? efforts[this.scene.joints[j].speed_offset] : 0;
-      axis?.apply(beside[j] + axis.passive() + coupled);
+      axis?.apply(beside[j] + axis.spring() + coupled);
     });
     // Rapier asks hooks only in steps with a queue of events.
     if (this.#apart.size > 0) this.#world.step(this.#events, this.#hooks);
@@ -304,7 +314,7 @@ class RapierWorld implements World {
     this.#ground = world.getRigidBody(handles.ground);
     this.#bodies = handles.bodies.map((h) => (h === -1 ? undefined : world.getRigidBody(h)));
     this.#colliders = handles.colliders;
-    this.#joints = makeJoints(world, this.scene, (b) => this.#bodies[b] ?? this.#ground, handles.joints);
+    this.#joints = makeJoints(world, this.scene, (b) => this.#bodies[b] ?? this.#ground, state, handles.joints);
     this.#takeNumbers(state);
     this.#isPushed = true;
   }
@@ -317,13 +327,19 @@ class RapierWorld implements World {
 
 const kNoInterface = "Rapier's interface for JavaScript does not have it";
 
+const kRotor: Support = [
+  'approximate',
+  'the motor of a second joint towards the speed at the start of the step, as soft as the inertia',
+];
+
 const kCapabilities: Record<string, Support> = {
   'shape.*': ['approximate', 'Rapier computes in single precision'],
   'pair.*': ['approximate', 'soft contact in single precision: rests in some 0.1 mm of penetration'],
   ...surfacePairs(['unsupported', 'two surfaces: neither can be moved by forces']),
   'joint.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
   'loop.*': ['unsupported', 'this adapter has fixed, hinge, slider, ball and free joints'],
-  'joint.rotor-inertia.*': ['unsupported', 'Rapier has no inertia of rotors'],
+  'joint.rotor-inertia.hinge': kRotor,
+  'joint.rotor-inertia.slider': kRotor,
   'joint.fixed': ['approximate', 'an impulse joint, held softly'],
   'joint.hinge': ['approximate', 'an impulse joint, held softly; turns at most a quarter of pi a step'],
   'joint.slider': ['approximate', 'an impulse joint, held softly'],
@@ -336,10 +352,10 @@ const kCapabilities: Record<string, Support> = {
   'loop.free': 'exact',
   'joint.limit.hinge': ['approximate', 'soft; of limits a turn apart and more Rapier has the nearer one'],
   'joint.limit.slider': ['approximate', 'soft'],
-  'joint.damping.hinge': ['approximate', "Rapier's motor; explicit where that drives the axis with gains"],
-  'joint.damping.slider': ['approximate', "Rapier's motor; explicit where that drives the axis with gains"],
-  'joint.friction.hinge': ['approximate', "Rapier's motor towards rest; beside a motor that of a second joint"],
-  'joint.friction.slider': ['approximate', "Rapier's motor towards rest; beside a motor that of a second joint"],
+  'joint.damping.hinge': ['approximate', "Rapier's motor, implicit; beside a drive that of a second joint"],
+  'joint.damping.slider': ['approximate', "Rapier's motor, implicit; beside a drive that of a second joint"],
+  'joint.friction.hinge': ['approximate', "Rapier's motor towards rest; beside a drive that of a second joint"],
+  'joint.friction.slider': ['approximate', "Rapier's motor towards rest; beside a drive that of a second joint"],
   'joint.stiffness.hinge': ['approximate', 'an explicit spring'],
   'joint.stiffness.slider': ['approximate', 'an explicit spring'],
   'joint.coupling': ['approximate', 'Rapier has no gears: efforts that CogRSim finds before each step'],
@@ -380,10 +396,10 @@ serve({
     {
       name: 'num-internal-pgs-iterations',
       type: 'integer',
-      default: parameters.numInternalPgsIterations,
-      minimum: 1,
+      default: 0,
+      minimum: 0,
       maximum: 1000,
-      description: 'iterations of projected Gauss-Seidel in a substep',
+      description: `iterations of projected Gauss-Seidel in a substep; 0: ${parameters.numInternalPgsIterations}, and ${kRotorIterations} where joints have rotors`,
     },
     {
       name: 'max-ccd-substeps',
@@ -425,8 +441,8 @@ serve({
       'narrow-phase': ['engine', 'NarrowPhase'],
       'contact-memory': ['engine', 'NarrowPhase: contact manifolds with their impulses'],
       'contact-law': ['engine', 'World.step: contact constraints'],
-      friction: ['engine', 'World.step: CoefficientCombineRule.Multiply of roots'],
-      restitution: ['engine', 'World.step: CoefficientCombineRule.Max'],
+      friction: ['engine', 'World.step: the CoefficientCombineRule that gives all pairs'],
+      restitution: ['engine', 'World.step: the CoefficientCombineRule that gives all pairs'],
       joints: ['engine', 'ImpulseJointSet'],
       limits: ['engine', 'UnitImpulseJoint.setLimits'],
       motors: ['engine', 'UnitImpulseJoint.configureMotor (springs and torque motors by addTorque)'],

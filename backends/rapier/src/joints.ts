@@ -1,9 +1,9 @@
 // Joints of the scene as Rapier's impulse joints, and the drives on their axes.
 import RAPIER from '@dimforge/rapier3d-compat';
 
-import { Refusal, type Joint, type Scene } from './cogrsim_backend.mjs';
+import { Refusal, type Joint, type Scene, type State } from './cogrsim_backend.mjs';
 import { xyz, xyzw } from './convert.ts';
-import { conjugate, dot, multiply, plus, turn, type Q4, type V3 } from './math.ts';
+import { conjugate, cross, dot, multiply, plus, poseOf, turn, type Q4, type V3 } from './math.ts';
 
 /** Rapier's joints turn about and slide along x of their frames, those of scenes z. */
 const kXToZ: Q4 = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
@@ -35,34 +35,35 @@ function dataOf(joint: Joint): RAPIER.JointData {
   }
 }
 
+/** Those of Rapier's motors that act on an axis. */
+interface Motors {
+  drive?: RAPIER.UnitImpulseJoint;
+  friction?: RAPIER.UnitImpulseJoint;
+  passive?: RAPIER.UnitImpulseJoint; // damper and rotor
+}
+
 /** A joint with an axis: where it stands, and what acts along it in a step. */
 export class Axis {
   q = 0;
   u = 0;
   #axis: V3 = [0, 0, 1]; // in the world
   #point: V3 = [0, 0, 0];
-  #isTaken = false; // Rapier's motor, by a law with gains, in this step
+  #isDriven = false; // by a law with gains, in this step
   #held?: number[]; // the limits that Rapier has now
 
   constructor(
     readonly joint: Joint,
     readonly made: RAPIER.UnitImpulseJoint,
-    readonly isDriven: boolean,
+    readonly motors: Motors,
+    readonly inertia: number, // of what the axis moves, see inertiaOn
   ) {
-    const axis = joint.axes[0];
-    if (axis.rotor_inertia > 0) {
-      throw new Refusal(`joint '${joint.name}': Rapier has no inertia of rotors`);
-    }
-    made.configureMotorModel(RAPIER.MotorModel.ForceBased);
-    if (isDriven) return;
-    if (axis.friction > 0) this.#motor(0, 0, 0, kRigid, axis.friction);
-    // Implicit in Rapier.
-    else if (axis.damping > 0) this.#motor(0, 0, 0, axis.damping, Infinity);
+    motors.friction?.setMotorMaxForce(joint.axes[0].friction);
+    motors.friction?.configureMotor(0, 0, 0, kRigid);
   }
 
   #motor(position: number, velocity: number, kp: number, kd: number, most: number): void {
-    this.made.setMotorMaxForce(Math.min(most, kMostForce));
-    this.made.configureMotor(position, velocity, kp, kd);
+    this.motors.drive?.setMotorMaxForce(Math.min(most, kMostForce));
+    this.motors.drive?.configureMotor(position, velocity, kp, kd);
   }
 
   /** Coordinate and speed from the motions of the bodies; full turns follow the last coordinate. */
@@ -112,11 +113,30 @@ export class Axis {
     this.made.setLimits(...limits);
   }
 
+  /**
+   * Before a step of n substeps of h = dt / n: the damper d of the axis, and the inertia R of its rotor as a damper c towards
+   * the speed at the start of the step, both implicit in each substep. Under a force F a mass m then gains
+   * F / c (1 - (1 + c h / m)^-n), and with the rotor it shall gain F dt / (m + R): between R / dt (a large R) and
+   * 2 n / (n + 1) times that c is found by halving.
+   */
+  setPassive(dt: number, n: number): void {
+    if (!this.motors.passive) return;
+    const { rotor_inertia: R, damping: d } = this.joint.axes[0];
+    const m = this.inertia;
+    let [low, high] = [R / dt, (2 * R) / dt];
+    for (let i = 0; i < 20 && R > 0; ++i) {
+      const c = (low + high) / 2;
+      if (1 - (1 + (c * dt) / (n * m)) ** -n > (c * dt) / (m + R)) low = c;
+      else high = c;
+    }
+    this.motors.passive.configureMotorVelocity((low * this.u) / (low + d), low + d);
+  }
+
   /** The law of a motor, six numbers at `at`, as Rapier's motor; returns the effort beside it. */
   drive(drives: Float64Array, at: number): number {
     const [bias, kp, position, kd, velocity, most] = drives.subarray(at, at + 6);
     if (kp === 0 && kd === 0) return Math.min(Math.max(bias, -most), most);
-    this.#isTaken = true;
+    this.#isDriven = true;
     if (kd === Infinity) {
       this.#motor(0, velocity, 0, kRigid, most);
       return 0;
@@ -138,14 +158,13 @@ export class Axis {
     return 0;
   }
 
-  /** After drive(): spring, and the damper where it is not Rapier's motor. */
-  passive(): number {
-    const { damping, stiffness, rest, friction } = this.joint.axes[0];
-    const taken = this.isDriven ? this.#isTaken : friction > 0;
+  /** After drive(): the effort of the spring. */
+  spring(): number {
     // A motor without gains holds rigidly if its force has no bound.
-    if (this.isDriven && !taken) this.#motor(0, 0, 0, damping, damping > 0 ? Infinity : 0);
-    this.#isTaken = false;
-    return (taken ? -damping * this.u : 0) - stiffness * (this.q - rest);
+    if (!this.#isDriven) this.#motor(0, 0, 0, 0, 0);
+    this.#isDriven = false;
+    const { stiffness, rest } = this.joint.axes[0];
+    return -stiffness * (this.q - rest);
   }
 
   /** Applies an effort along the axis to both bodies until forces are reset. */
@@ -163,8 +182,39 @@ export class Axis {
   }
 }
 
+/** Inertia along the axis of a joint of what it moves, the other joints held; of two parts that are free the reduced one. */
+function inertiaOn(scene: Scene, state: State, joint: Joint): number {
+  const links = scene.joints.filter((it) => it !== joint && !it.removed && it.type !== 'free');
+  const isFree = (b: number): boolean => scene.bodies[b]?.kind === 'dynamic';
+  const { p, q } = poseOf(state.poses, 7 * joint.child);
+  const at = plus(p, turn(q, joint.X_CM.slice(0, 3) as V3));
+  const axis = turn(multiply(q, joint.X_CM.slice(3) as Q4), [0, 0, 1]);
+  const part = (first: number): number => {
+    const found = new Set([first]);
+    for (const b of found) {
+      if (!isFree(b)) return Infinity;
+      for (const { parent, child } of links) {
+        if (parent === b) found.add(child);
+        if (child === b) found.add(parent);
+      }
+    }
+    let sum = 0;
+    for (const b of found) {
+      const { mass, com, inertia } = scene.bodies[b];
+      const body = poseOf(state.poses, 7 * b);
+      const local = turn(conjugate(body.q), axis);
+      const arm = cross(axis, plus(plus(body.p, turn(body.q, com)), at, -1));
+      const about = dot(local, [0, 3, 6].map((r) => dot(inertia.slice(r, r + 3) as V3, local)) as V3);
+      sum += joint.type === 'slider' ? mass : about + mass * dot(arm, arm);
+    }
+    return sum;
+  };
+  const [a, b] = [part(joint.parent), part(joint.child)];
+  return a === Infinity ? b : b === Infinity ? a : (a * b) / (a + b);
+}
+
 export interface Joints {
-  handles: number[]; // by joint; -1: none
+  handles: number[][]; // by joint, with those that Rapier has for its further motors
   axes: (Axis | undefined)[]; // by joint
 }
 
@@ -173,7 +223,8 @@ export function makeJoints(
   world: RAPIER.World,
   scene: Scene,
   bodyOf: (index: number) => RAPIER.RigidBody,
-  handles?: number[],
+  state: State,
+  handles?: number[][],
 ): Joints {
   const driven = new Set<number>();
   const taken = new Set<number>();
@@ -188,35 +239,41 @@ export function makeJoints(
   }
   const out: Joints = { handles: [], axes: [] };
   scene.joints.forEach((joint, j) => {
-    out.handles.push(-1);
+    const all: number[] = [];
+    out.handles.push(all);
     out.axes.push(undefined);
     if (joint.removed || joint.type === 'free') return;
-    let made: RAPIER.ImpulseJoint;
-    const isDriven = driven.has(j);
-    if (handles) {
-      made = world.getImpulseJoint(handles[j]);
-    } else {
-      const [parent, child] = [bodyOf(joint.parent), bodyOf(joint.child)];
-      const make = (): RAPIER.ImpulseJoint => {
-        const it = world.createImpulseJoint(dataOf(joint), parent, child, true);
-        it.setLocalFrame1(...frame(joint.X_PF));
-        it.setLocalFrame2(...frame(joint.X_CM));
-        it.setContactsEnabled(joint.bodies_collide);
-        return it;
-      };
-      made = make();
-      // An axis has one motor in Rapier: friction beside a drive takes that of a second joint.
-      if (isDriven && joint.axes[0]?.friction > 0) {
-        const second = make() as RAPIER.UnitImpulseJoint;
-        second.configureMotorModel(RAPIER.MotorModel.ForceBased);
-        second.setMotorMaxForce(joint.axes[0].friction);
-        second.configureMotor(0, 0, 0, kRigid);
-      }
-    }
-    out.handles[j] = made.handle;
+    const make = (): RAPIER.ImpulseJoint => {
+      const known = handles?.[j][all.length];
+      const it =
+        known === undefined
+          ? world.createImpulseJoint(dataOf(joint), bodyOf(joint.parent), bodyOf(joint.child), true)
+          : world.getImpulseJoint(known);
+      all.push(it.handle);
+      if (known !== undefined) return it;
+      it.setLocalFrame1(...frame(joint.X_PF));
+      it.setLocalFrame2(...frame(joint.X_CM));
+      it.setContactsEnabled(joint.bodies_collide);
+      return it;
+    };
+    const made = make() as RAPIER.UnitImpulseJoint;
     if (joint.type !== 'hinge' && joint.type !== 'slider') return;
-    const unit = made as RAPIER.UnitImpulseJoint;
-    out.axes[j] = new Axis(joint, unit, isDriven);
+    // A joint has one motor in Rapier: what else acts on the axis has that of a second joint, or of a third.
+    let isFree = true;
+    const motorIf = (needed: boolean): RAPIER.UnitImpulseJoint | undefined => {
+      if (!needed) return undefined;
+      const it = isFree ? made : (make() as RAPIER.UnitImpulseJoint);
+      isFree = false;
+      it.configureMotorModel(RAPIER.MotorModel.ForceBased);
+      return it;
+    };
+    const { friction, damping, rotor_inertia } = joint.axes[0];
+    const motors: Motors = {
+      drive: motorIf(driven.has(j)),
+      friction: motorIf(friction > 0),
+      passive: motorIf(damping > 0 || rotor_inertia > 0),
+    };
+    out.axes[j] = new Axis(joint, made, motors, inertiaOn(scene, state, joint));
   });
   return out;
 }

@@ -4,7 +4,7 @@ import RAPIER from '@dimforge/rapier3d-compat';
 import { Refusal, type Scene, type Shape } from './cogrsim_backend.mjs';
 import { xyzw } from './convert.ts';
 import { multiply, type Q4 } from './math.ts';
-import { heightMesh } from './scene.ts';
+import { heightMesh, type Rule, type Rules } from './scene.ts';
 
 /** Rapier's capsules and cylinders have their axis along y, those of scenes along z. */
 const kYToZ: Q4 = [Math.SQRT1_2, Math.SQRT1_2, 0, 0];
@@ -37,20 +37,24 @@ function describe(scene: Scene, shape: Shape): RAPIER.ColliderDesc {
   }
 }
 
-/**
- * A collider without mass. Rapier has rules for the coefficients of a pair, and no table: the square
- * roots are multiplied, which is what scenes mean by friction, and of restitutions the larger holds.
- */
-export function colliderOf(scene: Scene, shape: Shape): RAPIER.ColliderDesc {
+const kCombine: Record<Rule, RAPIER.CoefficientCombineRule> = {
+  multiply: RAPIER.CoefficientCombineRule.Multiply,
+  max: RAPIER.CoefficientCombineRule.Max,
+  min: RAPIER.CoefficientCombineRule.Min,
+  average: RAPIER.CoefficientCombineRule.Average,
+};
+
+/** A collider without mass. */
+export function colliderOf(scene: Scene, rules: Rules, shape: Shape): RAPIER.ColliderDesc {
   const [x, y, z, ...rotation] = shape.X_BS;
   const turned = shape.type === 'capsule' || shape.type === 'cylinder';
-  const surface = scene.surfaces[shape.material][shape.material];
+  const { friction, restitution } = rules;
   return describe(scene, shape)
     .setTranslation(x, y, z)
     .setRotation(xyzw(turned ? multiply(rotation, kYToZ) : rotation))
     .setDensity(0)
-    .setFriction(Math.sqrt(surface.friction))
-    .setFrictionCombineRule(RAPIER.CoefficientCombineRule.Multiply)
-    .setRestitution(surface.restitution)
-    .setRestitutionCombineRule(RAPIER.CoefficientCombineRule.Max);
+    .setFriction(friction.own(shape.material))
+    .setFrictionCombineRule(kCombine[friction.rule])
+    .setRestitution(restitution.own(shape.material))
+    .setRestitutionCombineRule(kCombine[restitution.rule]);
 }
