@@ -2,7 +2,9 @@
 // every position and orientation after every step.
 //
 //     cogrsim_faithful --engine NAME --raw PROGRAM --ours PROGRAM --table FILE [--scene NAME]
-//                      [--runtime PROGRAM]
+//                      [--runtime PROGRAM] [--part N]
+//
+// With --part only the first N-th of the steps of each scene.
 //
 // With a runtime, Node.js for example, the raw program is a script for it, which finds the scene in the
 // JSON file that is its first argument.
@@ -18,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -35,7 +38,7 @@ using cogrsim::faithful::kNumbers, cogrsim::faithful::Run, cogrsim::faithful::ru
 using Json = nlohmann::json;
 
 struct Options {
-  std::string engine, raw, ours, table, scene, runtime;
+  std::string engine, raw, ours, table, scene, runtime, part = "1";
 };
 
 /// Largest differences over a run, and the first step that differs; -1: none.
@@ -162,7 +165,7 @@ int usage(const std::string& wrong) {
   std::fprintf(
       stderr,
       "%s\nusage: cogrsim_faithful --engine NAME --raw PROGRAM --ours PROGRAM --table FILE "
-      "[--scene NAME] [--runtime PROGRAM]\n",
+      "[--scene NAME] [--runtime PROGRAM] [--part N]\n",
       wrong.c_str());
   return 2;
 }
@@ -179,6 +182,7 @@ int main(int argc, char** argv) try {
                             : word == "--table"   ? &options.table
                             : word == "--scene"   ? &options.scene
                             : word == "--runtime" ? &options.runtime
+                            : word == "--part"    ? &options.part
                                                   : nullptr;
     if (!to) return usage("there is no option '" + word + "'");
     *to = argv[i + 1];
@@ -199,7 +203,8 @@ int main(int argc, char** argv) try {
   }
   const cogrsim::test::TemporaryFolder folder;
   int failed = 0, seen = 0;
-  for (const FaithfulScene& scene : faithful_list()) {
+  for (FaithfulScene scene : faithful_list()) {
+    scene.steps /= std::max(std::atoi(options.part.c_str()), 1);
     if (!options.scene.empty() && options.scene != scene.name) continue;
     ++seen;
     if (const Json it = table.value(scene.name, Json::object()); it.contains("too-slow")) {
