@@ -66,6 +66,41 @@ StepResult DynamicsWorld::step(double dt, const std::vector<Drive>& drives) {
   return result;
 }
 
+// q + a qdot and u + a (u - u-) / h-, at the time a from now, with the speeds u- before the last step, of h-.
+void DynamicsWorld::get_state_ahead(double ahead, std::vector<Pose>& poses,
+                                    std::vector<Twist>& twists) {
+  constexpr double kNear = 0.2;  // a change by more, as of an impact, does not go on
+  Mechanism& m = engine_->mechanism;
+  const Values q = m.state.q(), u = m.state.u();
+  Values next = u, rates;
+  if (progress_.last_dt > 0.0 && progress_.start_u.size() == u.size()) {
+    const Values change = u - progress_.start_u;
+    for (const Component& c : m.components()) {
+      double changed = 0.0, size = 0.0;
+      for (const int k : c.speeds) {
+        changed += change[k] * change[k];
+        size += u[k] * u[k];
+      }
+      if (changed > kNear * kNear * size) continue;
+      for (const int k : c.speeds) next[k] += ahead / progress_.last_dt * change[k];
+    }
+  }
+  m.multiply_by_n(next, rates);
+  m.state.change_q() = q + ahead * rates;
+  m.normalize_quaternions();
+  m.state.change_u() = next;
+  const std::vector<LinkMotion>& motions = m.motions();
+  for (std::size_t b = 0; b < progress_.model->bodies.size(); ++b) {
+    const int link = m.body_link(int(b));
+    if (link < 0) continue;
+    const LinkMotion& motion = motions[std::size_t(link)];
+    poses[b] = pose_of(motion.X);
+    twists[b] = {motion.linear, motion.angular};
+  }
+  m.state.change_q() = q;
+  m.state.change_u() = u;
+}
+
 int DynamicsWorld::find_diverged() const {
   const Mechanism& m = engine_->mechanism;
   const std::vector<LinkMotion>& motions = m.motions();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cogrsim/physics/scene_change.h"
+#include "cogrsim/physics/state_ahead.h"
 #include "cogrsim/physics/world.h"
 #include "mechanism/reactions.h"
 #include "stepper.h"
@@ -45,7 +46,8 @@ struct Progress {
 class DynamicsWorld final : public World,
                             public JointReactions,
                             public KinematicDrive,
-                            public ExternalForces {
+                            public ExternalForces,
+                            public StateAhead {
  public:
   /// Throws std::exception where loops cannot be closed.
   DynamicsWorld(SceneModelPtr model, const StepperOptions& options);
@@ -63,9 +65,10 @@ class DynamicsWorld final : public World,
   Result<> restore(const SnapshotPtr& snapshot) override;
   Result<> reset() override;
   void* extension(std::string_view id) override {
-    return find_extension<JointReactions, KinematicDrive, ExternalForces>(this, id);
+    return find_extension<JointReactions, KinematicDrive, ExternalForces, StateAhead>(this, id);
   }
   double evaluation_time() const override { return 0.5; }
+  void get_state_ahead(double ahead, std::vector<Pose>& poses, std::vector<Twist>& twists) override;
 
   void get_joint_reactions(std::vector<Wrench>& out) const override;
   Result<> set_kinematic_twist(int body, const Twist& twist) override;

@@ -5,13 +5,14 @@
 //           the scene times its factor
 //   spring  along e = (x2 - x) / l, l = |x2 - x|:  T = k (l - l0) + d e (v2 - v),  T e at x, -T e at x2
 //   buoyancy  -density V g at the centroid of the volume V below the level
-// Until then a body's centre of mass c goes on straight, and the body turns about it as it does.
+// Until then a body moves as the engine expects, or its centre of mass c goes on straight and the body turns about it as it does.
 // Each is moved to the centre of mass c of its body: force F, torque (x - c) x F.
 #include "simulation/force_system.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/physics/state_ahead.h"
 #include "core/index.h"
 #include "simulation/find_named.h"
 
@@ -19,18 +20,24 @@ namespace cogrsim {
 
 namespace {
 
-// Of a body's origin.
-struct Motion {
-  Pose X_WB;
-  Twist V_WB;
+// Of a point of the body, in its frame.
+struct PointMotion {
+  Vec3 x = Vec3::Zero(), v = Vec3::Zero();
 };
 
+PointMotion point_of(const Pose& X_WB, const Twist& V_WB, const Vec3& point) {
+  const Vec3 arm = X_WB.q * point;
+  return {X_WB.p + arm, V_WB.at(arm)};
+}
+
+}  // namespace
+
 // Where the body will be after the time `ahead` [s].
-Motion motion_of(const SceneModel& model, const WorldState& state, int body, double ahead) {
+ForceSystem::Motion ForceSystem::motion_of(const SceneModel& model, int body, double ahead) const {
   if (body == kWorld) return {};
-  Motion m{state.poses[at(body)], state.twists[at(body)]};
+  Motion m{poses_[at(body)], twists_[at(body)]};
   const Body& it = model.bodies[at(body)];
-  if (!(ahead > 0.0) || it.kind == BodyKind::static_body) return m;
+  if (is_ahead_ || !(ahead > 0.0) || it.kind == BodyKind::static_body) return m;
   const Vec3 com =
       it.kind == BodyKind::dynamic ? it.com : Vec3::Zero();  // kinematic: of its origin
   const Vec3 arm = m.X_WB.q * com, v = m.V_WB.at(arm);
@@ -43,18 +50,6 @@ Motion motion_of(const SceneModel& model, const WorldState& state, int body, dou
   return m;
 }
 
-// Of a point of the body, in its frame.
-struct PointMotion {
-  Vec3 x = Vec3::Zero(), v = Vec3::Zero();
-};
-
-PointMotion point_of(const Motion& m, const Vec3& point) {
-  const Vec3 arm = m.X_WB.q * point;
-  return {m.X_WB.p + arm, m.V_WB.at(arm)};
-}
-
-}  // namespace
-
 void ForceSystem::add(const SceneModel& model, int body, const Pose& X_WB, const Vec3& force,
                       const Vec3& point, const Vec3& torque) {
   if (body == kWorld || model.bodies[at(body)].kind != BodyKind::dynamic) return;
@@ -63,8 +58,7 @@ void ForceSystem::add(const SceneModel& model, int body, const Pose& X_WB, const
   sum.torque += torque + (point - X_WB * model.bodies[at(body)].com).cross(force);
 }
 
-void ForceSystem::buoyancy(const SceneModelPtr& model, std::size_t force, const WorldState& state,
-                           double ahead) {
+void ForceSystem::buoyancy(const SceneModelPtr& model, std::size_t force, double ahead) {
   const ForceModel& it = model->forces[force];
   const Vec3& gravity = model->physics.gravity;
   if (it.body == kWorld || !(gravity.norm() > 0.0)) return;
@@ -77,7 +71,7 @@ void ForceSystem::buoyancy(const SceneModelPtr& model, std::size_t force, const 
   if (shapes.empty()) {
     for (const Shape& shape : body.shapes) shapes.emplace_back(shape, model->meshes);
   }
-  const Pose X_WB = motion_of(*model, state, it.body, ahead).X_WB;
+  const Pose X_WB = motion_of(*model, it.body, ahead).X_WB;
   for (const geometry::DisplacedShape& shape : shapes) {
     const geometry::Displaced part = shape.below(X_WB, -gravity.normalized(), it.level);
     if (part.volume > 0.0)
@@ -114,7 +108,11 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
   constexpr double kEarly = 1e-6;  // of a step: times that are multiples of it count as reached
   const double now = clock.time() + kEarly * clock.dt();
   const double ahead = engine->evaluation_time() * clock.dt();
-  const WorldState& state = host.state();
+  poses_ = host.state().poses;
+  twists_ = host.state().twists;
+  auto* const expected = host.world().extension<StateAhead>();
+  is_ahead_ = expected != nullptr;
+  if (expected) expected->get_state_ahead(ahead, poses_, twists_);
   // Controllers have published since the frame of this step was made.
   const std::shared_ptr<Frame> frame = factors_.any() ? frames.latest(factors_.needs()) : nullptr;
   if (frame) frame->time += ahead;
@@ -135,8 +133,8 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
   for (std::size_t i = 0; i < model->forces.size(); ++i) {
     const ForceModel& it = model->forces[i];
     if (it.removed) continue;
-    const Motion body = motion_of(*model, state, it.body, ahead);
-    const PointMotion m = point_of(body, it.X_BE.p);
+    const Motion body = motion_of(*model, it.body, ahead);
+    const PointMotion m = point_of(body.X_WB, body.V_WB, it.X_BE.p);
     switch (it.kind) {
       case ForceModel::Kind::force: {
         const double f = factor(i);
@@ -153,13 +151,13 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
         break;
       }
       case ForceModel::Kind::buoyancy:
-        buoyancy(model, i, state, ahead);
+        buoyancy(model, i, ahead);
         break;
       case ForceModel::Kind::wind:
         break;
       case ForceModel::Kind::spring: {
-        const Motion other = motion_of(*model, state, it.other, ahead);
-        const PointMotion n = point_of(other, it.other_point);
+        const Motion other = motion_of(*model, it.other, ahead);
+        const PointMotion n = point_of(other.X_WB, other.V_WB, it.other_point);
         const Vec3 between = n.x - m.x;
         const double l = between.norm();
         if (!(l > 1e-9)) break;  // without a direction
@@ -179,7 +177,7 @@ void ForceSystem::apply(WorldHost& host, const Clock& clock, const ChannelLookup
                                 }),
                  applied_.end());
   for (const Applied& it : applied_) {
-    const Pose X_WB = motion_of(*model, state, it.body, ahead).X_WB;
+    const Pose X_WB = motion_of(*model, it.body, ahead).X_WB;
     const Quat q = it.command.in_body ? X_WB.q : Quat(1, 0, 0, 0);
     add(*model, it.body, X_WB, q * it.command.force, X_WB * it.command.point,
         q * it.command.torque);

@@ -32,8 +32,13 @@ class ForceSystem {
              FrameSource& frames);
 
  private:
-  void buoyancy(const SceneModelPtr& model, std::size_t force, const WorldState& state,
-                double ahead);
+  // Of a body's origin.
+  struct Motion {
+    Pose X_WB;
+    Twist V_WB;
+  };
+  Motion motion_of(const SceneModel& model, int body, double ahead) const;
+  void buoyancy(const SceneModelPtr& model, std::size_t force, double ahead);
   void add(const SceneModel& model, int body, const Pose& X_WB, const Vec3& force,
            const Vec3& point, const Vec3& torque);
 
@@ -42,7 +47,11 @@ class ForceSystem {
   std::vector<std::vector<geometry::DisplacedShape>> displaced_;  // by force
   std::vector<Applied> applied_;
   std::vector<Wrench> sums_;  // by body
-  bool given_ = false;        // the world has forces
+  // By body: now, or, with `is_ahead_`, when forces are evaluated.
+  std::vector<Pose> poses_;
+  std::vector<Twist> twists_;
+  bool is_ahead_ = false;
+  bool given_ = false;  // the world has forces
 };
 
 }  // namespace cogrsim
