@@ -48,5 +48,10 @@ function(cogrsim_add_plugin name)
     BUILD_WITH_INSTALL_RPATH ON
     INSTALL_RPATH_USE_LINK_PATH ON
     INSTALL_RPATH "$ORIGIN/../..")
-  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cogrsim/${folder})
+  if(CogRSim_SOURCE_DIR)
+    cogrsim_component(component)
+    list(APPEND component COMPONENT)
+    list(REVERSE component)
+  endif()
+  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cogrsim/${folder} ${component})
 endfunction()

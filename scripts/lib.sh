@@ -26,9 +26,10 @@ packages=(
   libompl-dev libzstd-dev zlib1g-dev libsqlite3-dev libopenmpi-dev openmpi-bin protobuf-compiler libprotobuf-dev libprotozero-dev
   libcurl4-openssl-dev libarchive-dev libssl-dev
   python3-dev pybind11-dev python3-numpy dpkg-dev file
-  catch2 libxml2-utils lighttpd lighttpd-mod-webdav openssl liborocos-kdl-dev liburdfdom-dev
-  chromium fonts-dejavu-core zsh fish
+  catch2 liborocos-kdl-dev liburdfdom-dev
 )
+# What tests run beside that.
+test_packages=(libxml2-utils lighttpd lighttpd-mod-webdav openssl chromium fonts-dejavu-core zsh fish)
 # The packages of each backend.
 for list in "$repo"/{backends,renderers}/*/packages.txt; do
   mapfile -t -O ${#packages[@]} packages <"$list"
@@ -96,6 +97,15 @@ configure() {
 build() {
   say "building $*"
   cmake --build "$build_dir" --parallel "$(nproc)" --target "$@"
+}
+
+# The program with one engine and a renderer, and a picture of a run: what there is to see first.
+first_motion() {
+  local picture=$build_dir/first.png scene=examples/030_pendulums/pendulums.scene.xml
+  build cogrsim_cli cogrsim osmesa
+  say "cogrsim render $scene"
+  "$build_dir/bin/cogrsim" render "$repo/$scene" --backend cogrsim -o "$picture" || return
+  printf 'The first picture, %d min %02d s after the start: %s\n' $((SECONDS / 60)) $((SECONDS % 60)) "$picture"
 }
 
 # The demo: the navigation experiment on three engines, in its short form, and a comparison of the engines.

@@ -78,9 +78,19 @@ foreach(backend IN LISTS ENGINES)
   endif()
 endforeach()
 
-file(READ "${prefix}/share/man/man1/cogrsim.1" text)
-if(NOT text MATCHES "compare")
-  message(SEND_ERROR "share/man/man1/cogrsim.1 does not know 'cogrsim compare'")
+foreach(page cogrsim cogrsim-compare)
+  run("manual page ${page}" gzip -dc "${prefix}/share/man/man1/${page}.1.gz")
+  if(NOT output MATCHES "--backends|\\\\-\\\\-backends")
+    message(SEND_ERROR "share/man/man1/${page}.1.gz does not know 'cogrsim compare --backends'")
+  endif()
+endforeach()
+# pkg-config gives what a plugin is compiled with.
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  run("pkg-config" ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/${LIB}/pkgconfig
+    ${PKG_CONFIG} --cflags --libs cogrsim)
+  separate_arguments(arguments UNIX_COMMAND "${output}")
+  run("a plugin by pkg-config" ${COMPILER} -std=c++17 -shared -fPIC -o by_pkg_config.so project/slalom.cpp ${arguments})
 endif()
 foreach(file bash-completion/completions/cogrsim zsh/vendor-completions/_cogrsim
     fish/vendor_completions.d/cogrsim.fish)

@@ -351,6 +351,85 @@ TEST_CASE("the progress line counts runs and says how long it will take", "[swee
   }
 }
 
+TEST_CASE("shards merge into the table of one machine", "[sweep][shards][program]") {
+  const TemporaryFolder folder;
+  const Arguments study = {kTrial,       "--vary",        "h=5m..7m:3", "--seeds",         "1..3",
+                           "--backends", "toy,toy_euler", "--measure",  "high=crate.z@max"};
+  const auto run = [&](Arguments more, const char* seeds = "1..3") {
+    Arguments all = study;
+    all[4] = seeds;
+    all.insert(all.end(), more.begin(), more.end());
+    return sweep(all);
+  };
+  const auto merge = [&](Arguments shards, const std::string& to) {
+    shards.insert(shards.begin(), {"sweep", "--merge"});
+    shards.insert(shards.end(), {"-o", to});
+    return cogrsim_run(shards);
+  };
+  const auto part = [&](int n) { return folder / ("part" + std::to_string(n)); };
+  REQUIRE(run({"-o", folder / "whole"}).status == 0);
+  for (int n = 1; n <= 4; ++n) {
+    const Outcome outcome = run({"--shard", std::to_string(n) + "/4", "-o", part(n)});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    // 18 runs: 5, 5, 4, 4.
+    CHECK_THAT(outcome.out, Contains(n <= 2 ? "5 of 5 runs" : "4 of 4 runs"));
+  }
+  const Outcome merged =
+      merge({part(4), part(2), part(1), part(3) + "/results.sqlite"}, folder / "all");
+  INFO(merged.err);
+  REQUIRE(merged.status == 0);
+  CHECK_THAT(merged.out, Contains("4 shards: 18 runs, 18 good"));
+  CHECK(timeless_csv(folder / "all") == timeless_csv(folder / "whole"));
+  for (const char* sql : {"SELECT * FROM study ORDER BY 1", "SELECT * FROM columns ORDER BY rowid",
+                          "SELECT backend, engine, version FROM provenance ORDER BY 1"}) {
+    CHECK(query(folder / "all/results.sqlite", sql) == query(folder / "whole/results.sqlite", sql));
+  }
+  // The whole study knows it as its own.
+  CHECK_THAT(run({"-o", folder / "all"}).out, Contains("18 of 18 runs done"));
+
+  const auto refused = [&](const Outcome& outcome, const std::string& why) {
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.status != 0);
+    CHECK_THAT(outcome.err, Contains(why));
+    CHECK_FALSE(std::ifstream(folder / "no/results.sqlite").good());
+  };
+  refused(merge({part(1), part(3)}, folder / "no"), "2 of 4 shards missing: 2, 4");
+  refused(merge({part(1), part(2), part(3), part(4), part(2)}, folder / "no"),
+          "shard 2/4 is given twice");
+  refused(merge({part(1), folder / "whole"}, folder / "no"), "not a shard, it is a whole study");
+  refused(merge({part(1), folder / "nothing"}, folder / "no"), "there is no '");
+  refused(merge({part(1), part(2), part(3), part(4)}, folder / "all"), "there is a table");
+  refused(run({"--shard", "2/4", "-o", part(1)}), "is shard 1/4, and not shard 2/4");
+  refused(run({"-o", part(1)}), "is shard 1/4, and not a whole study");
+  REQUIRE(run({"--shard", "2/3", "-o", folder / "third"}).status == 0);
+  refused(merge({part(1), folder / "third"}, folder / "no"), "one is 1/4, the other 2/3");
+  REQUIRE(run({"--shard", "2/4", "-o", folder / "seeds"}, "2..4").status == 0);
+  refused(merge({part(1), folder / "seeds"}, folder / "no"), "other values, seeds or engines");
+  REQUIRE(run({"--shard", "2/4", "--until", "0.5s", "-o", folder / "short"}).status == 0);
+  refused(merge({part(1), folder / "short"}, folder / "no"), "until was none, now it is 0.5");
+  for (const char* wrong : {"0/4", "5/4", "1", "1/", "a/b", "1/4/2"}) {
+    refused(run({"--shard", wrong, "-o", folder / "no"}), "is not a shard");
+  }
+  refused(cogrsim_run({"sweep", "--merge", part(1), "--seeds", "1", "-o", folder / "no"}),
+          "'--seeds' has no meaning here");
+
+  // A shard that lost a run, and one of another engine.
+  const auto spoil = [&](int n, const std::string& sql) {
+    sqlite3* db = nullptr;
+    REQUIRE(sqlite3_open((part(n) + "/results.sqlite").c_str(), &db) == SQLITE_OK);
+    REQUIRE(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
+    sqlite3_close(db);
+  };
+  const Arguments all = {part(1), part(2), part(3), part(4)};
+  spoil(3, "UPDATE provenance SET version = '0.0' WHERE backend = 'toy'");
+  refused(merge(all, folder / "no"), "backend toy is ");
+  spoil(2, "DELETE FROM runs WHERE rowid = 1");
+  refused(merge(all, folder / "no"), "shard 2/4 has 4 of its 5 runs");
+  spoil(1, "UPDATE study SET value = '{}' WHERE key = 'shard'");
+  refused(merge(all, folder / "no"), "damaged");
+}
+
 TEST_CASE("figures are drawn from the table", "[sweep][plot]") {
   const TemporaryFolder folder;
   REQUIRE(sweep({COGRSIM_SCENES "/good_study.xml", "-o", folder / "out"}).status == 0);

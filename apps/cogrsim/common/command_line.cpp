@@ -565,12 +565,14 @@ Problem unknown_subcommand(const CLI::App& app, const std::string& argument) {
                   nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), list));
 }
 
-std::string command_help(CLI::App& app, const std::string& name) {
+std::string command_help(CLI::App& app, const std::string& name, bool man) {
   // help() of the program gives that of the command that was parsed.
   if (name.empty())
-    return app.get_formatter()->make_help(&app, "cogrsim", CLI::AppFormatMode::Normal);
+    return man ? man_page(app)
+               : app.get_formatter()->make_help(&app, "cogrsim", CLI::AppFormatMode::Normal);
   for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == name) return command->help("cogrsim");
+    if (command->get_name() == name)
+      return man ? command_man_page(*command) : command->help("cogrsim");
   }
   throw UsageError("command", unknown_subcommand(app, name));
 }
@@ -586,17 +588,16 @@ void add_table_pages(CLI::App& app, Arguments& arguments, int& status) {
       ->type_name("COMMAND");
   CLI::Option* reference = help.add_flag("--reference", arguments.reference,
                                          "Print the reference of all commands (Markdown) instead");
-  help.add_flag("--man", arguments.man, "Print the manual page (roff) instead")
+  help.add_flag("--man", arguments.man, "Print it as a manual page (roff) instead")
       ->excludes(reference);
   help.footer(
       "Examples:\n"
       "  cogrsim help run\n"
       "  cogrsim help --reference > command-line.md\n"
-      "  cogrsim help --man | man -l -");
+      "  cogrsim help --man run | man -l -");
   help.callback([&app, &arguments, print] {
     print(arguments.reference ? reference_page(app)
-          : arguments.man     ? man_page(app)
-                              : command_help(app, arguments.command));
+                              : command_help(app, arguments.command, arguments.man));
   });
 
   CLI::App& completion =

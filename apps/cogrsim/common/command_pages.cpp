@@ -1,6 +1,7 @@
 #include "common/command_pages.h"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <sstream>
 #include <vector>
@@ -172,6 +173,14 @@ std::string roff_sections(const Footer& footer) {
   return out;
 }
 
+std::string roff_head(const std::string& name, const CLI::App& described) {
+  std::string title = name;
+  std::transform(title.begin(), title.end(), title.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return fmt::format(".TH {} 1 \"\" \"CogRSim {}\" \"CogRSim\"\n.SH NAME\n{} \\- {}\n", roff(title),
+                     COGRSIM_VERSION, roff(name), roff(described.get_description()));
+}
+
 }  // namespace
 
 std::string reference_page(const CLI::App& table) {
@@ -179,8 +188,10 @@ std::string reference_page(const CLI::App& table) {
       "# The command line\n\n"
       "<!-- Made by `cogrsim help --reference`. -->\n\n" +
       table.get_description() +
-      "\nThe same is in `cogrsim COMMAND --help` and in `man cogrsim`. Commands, options, their values and "
-      "the\nnames of the scene at hand are completed in bash, zsh and fish: see [completion](#cogrsim-completion). Outputs, exit status and what "
+      "\nThe same is in `cogrsim COMMAND --help` and in `man cogrsim-COMMAND`. Commands, options, "
+      "their values and "
+      "the\nnames of the scene at hand are completed in bash, zsh and fish: see "
+      "[completion](#cogrsim-completion). Outputs, exit status and what "
       "they mean: [the command line's README](../../apps/cogrsim/README.md).\n\n"
       "| command | |\n|---|---|\n";
   for (const CLI::App* command : commands_of(table)) {
@@ -200,10 +211,8 @@ std::string reference_page(const CLI::App& table) {
 }
 
 std::string man_page(const CLI::App& table) {
-  std::string out = fmt::format(
-      ".TH COGRSIM 1 \"\" \"CogRSim {}\" \"CogRSim\"\n.SH NAME\ncogrsim \\- {}\n"
-      ".SH SYNOPSIS\n.B cogrsim\nCOMMAND [OPTION...]\n.SH OPTIONS\n",
-      COGRSIM_VERSION, roff(table.get_description()));
+  std::string out =
+      roff_head("cogrsim", table) + ".SH SYNOPSIS\n.B cogrsim\nCOMMAND [OPTION...]\n.SH OPTIONS\n";
   out += roff_options(table) + roff_sections(footer_of(table)) + ".SH COMMANDS\n";
   for (const CLI::App* command : commands_of(table)) {
     out += fmt::format(".SS {}\n{}.\n{}{}", roff(synopsis_of(*command)),
@@ -211,6 +220,14 @@ std::string man_page(const CLI::App& table) {
                        roff_sections(footer_of(*command)));
   }
   return out;
+}
+
+std::string command_man_page(const CLI::App& command) {
+  const std::string options = roff_options(command), more = roff_sections(footer_of(command));
+  return fmt::format("{}.SH SYNOPSIS\n{}\n{}{}.SH SEE ALSO\n\\fBcogrsim\\fR(1)\n",
+                     roff_head("cogrsim-" + command.get_name(), command),
+                     roff(synopsis_of(command)), options.empty() ? "" : ".SH OPTIONS\n" + options,
+                     more.empty() ? "" : ".SH EXAMPLES AND NOTES\n" + more);
 }
 
 }  // namespace cogrsim::cli

@@ -15,6 +15,8 @@ namespace cogrsim::cli {
 std::string reference_page(const CLI::App& table);
 /// cogrsim(1), in roff.
 std::string man_page(const CLI::App& table);
+/// cogrsim-COMMAND(1).
+std::string command_man_page(const CLI::App& command);
 
 /// The commands that people call.
 std::vector<const CLI::App*> commands_of(const CLI::App& table);

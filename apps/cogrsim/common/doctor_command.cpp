@@ -41,6 +41,14 @@ std::string plugin_name(const std::string& path) {
                                            : file.stem().string();
 }
 
+// A program from packages gets its parts from there, too.
+std::string how_to_get(const std::string& package, const std::string& built) {
+  std::error_code none;
+  return std::filesystem::read_symlink("/proc/self/exe", none) == "/usr/bin/cogrsim"
+             ? "sudo apt install " + package
+             : built;
+}
+
 void check_plugins(const DoctorOptions& options, std::vector<Finding>& out) {
   PluginLoader loader(options.plugin_paths);
   std::vector<RefusedPlugin> refused;
@@ -73,14 +81,19 @@ void check_plugins(const DoctorOptions& options, std::vector<Finding>& out) {
   }
   for (const KnownBackend& known : kKnownBackends) {
     if (std::find(found.begin(), found.end(), known.name) != found.end()) continue;
-    out.push_back({"engine", known.name, Finding::missing, "not built, or not installed", "",
-                   *known.packages ? fmt::format("sudo apt install {}, then build CogRSim again",
-                                                 known.packages)
-                                   : "see its README in backends/"});
+    out.push_back(
+        {"engine", known.name, Finding::missing, "not built, or not installed", "",
+         how_to_get(fmt::format("cogrsim-backend-{}", known.name),
+                    *known.packages ? fmt::format("sudo apt install {}, then build CogRSim again",
+                                                  known.packages)
+                                    : "see its README in backends/")});
   }
   out.push_back({"part", "renderer", pictures ? Finding::good : Finding::missing, "",
                  "pictures of cameras, `cogrsim render`, films",
-                 pictures ? "" : "sudo apt install libosmesa6-dev, then build CogRSim again"});
+                 pictures
+                     ? ""
+                     : how_to_get("cogrsim-renderer-osmesa",
+                                  "sudo apt install libosmesa6-dev, then build CogRSim again")});
 }
 
 struct Program {
@@ -120,10 +133,14 @@ void check_parts(const DoctorOptions& options, std::vector<Finding>& out) {
   void* const mpi = dlopen("libcogrsim_mpi.so", RTLD_NOW | RTLD_LOCAL);
   out.push_back({"part", "MPI", mpi ? Finding::good : Finding::missing, "",
                  "sweeps over several machines",
-                 mpi ? "" : "sudo apt install libopenmpi-dev, then build CogRSim again"});
+                 mpi ? ""
+                     : how_to_get("cogrsim-mpi",
+                                  "sudo apt install libopenmpi-dev, then build CogRSim again")});
   out.push_back({"part", "studio", options.has_studio ? Finding::good : Finding::missing, "",
                  "`cogrsim studio`, `cogrsim bundle`",
-                 options.has_studio ? "" : "build CogRSim where npm reaches its registry"});
+                 options.has_studio ? ""
+                                    : how_to_get("cogrsim-studio",
+                                                 "build CogRSim where npm reaches its registry")});
   ProgramOptions patience;
   patience.longest = std::chrono::seconds(20);
   const auto module =

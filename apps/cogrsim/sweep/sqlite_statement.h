@@ -62,6 +62,13 @@ class Statement {
     }
   }
 
+  /// What a row of another statement has.
+  void bind(int index, const Statement& row, int column) {
+    sqlite3_bind_value(statement_, index, sqlite3_column_value(row.statement_, column));
+  }
+  /// Ready for other values.
+  void again() { sqlite3_reset(statement_); }
+
   /// The next row; false: there is none, or an error.
   bool row() {
     status_ = sqlite3_step(statement_);

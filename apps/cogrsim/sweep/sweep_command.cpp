@@ -248,6 +248,19 @@ int run_for_others(const SweepOptions& options, const std::optional<SweepPlan>& 
   }
 }
 
+int merge(const SweepOptions& options) {
+  const auto table = SweepTable::merge(options.merged, options.output);
+  if (!table) return refuse(table.error());
+  if (const auto written = table->write_csv(); !written) return refuse(written.error());
+  const auto counts = table->counts();
+  const std::string text = fmt::format(
+      "{} shards: {} runs, {} good, {} not\n{}  {}/{}\n  {}/{}\n", options.merged.size(),
+      counts.good + counts.failed, counts.good, counts.failed, table->left_out_text(),
+      one_line(options.output), kTableName, one_line(options.output), kCsvName);
+  if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+  return kGood;
+}
+
 }  // namespace
 
 std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before, std::size_t all,
@@ -271,6 +284,7 @@ std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before,
 }
 
 int sweep_command(const SweepOptions& options) {
+  if (!options.merged.empty()) return merge(options);
   const int ranks = options.dry_run ? 1 : ranks_around();
   std::unique_ptr<RankMessages> messages;
   if (ranks > 1) {

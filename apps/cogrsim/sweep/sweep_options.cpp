@@ -19,7 +19,7 @@ namespace {
 using Problem = cogrsim::Error;
 
 struct SweepArguments {
-  std::string scene, seeds, until, step, timeout, memory;
+  std::string scene, seeds, until, step, timeout, memory, shard;
   std::vector<std::string> vary, set, measures, backends, plugin_paths, without;
   SweepOptions options;
 };
@@ -61,6 +61,41 @@ dsl::Study::Measure measure_from(const std::string& argument) {
 double seconds_from(const char* option, const std::string& argument) {
   return time_from(option, argument, kAboveZero, kLongestDuration,
                    "it must be more than 0 s and at most 1e9 s");
+}
+
+// "3/16".
+Shard shard_from(const std::string& argument) {
+  const std::size_t slash = argument.find('/');
+  const auto whole = [](const std::string& text) -> std::size_t {
+    const bool digits = !text.empty() && text.size() < 8 &&
+                        text.find_first_not_of("0123456789") == std::string::npos;
+    return digits ? std::stoul(text) : 0;
+  };
+  Shard shard;
+  if (slash != std::string::npos) {
+    shard.number = whole(argument.substr(0, slash));
+    shard.of = whole(argument.substr(slash + 1));
+  }
+  if (shard.number < 1 || shard.of < shard.number || shard.of > kMostRuns)
+    throw UsageError("--shard", Problem(fmt::format("'{}' is not a shard", argument), "",
+                                        "write 3/16 for the third of 16, from 1/16 to 16/16"));
+  return shard;
+}
+
+// Nothing is run, so that nothing can be asked of runs.
+SweepOptions merge_from(const CLI::App& command, const SweepArguments& arguments) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || option->check_name("--merge") || option->check_name("--output") ||
+        option->check_name("--overwrite"))
+      continue;
+    throw UsageError("--merge", Problem(fmt::format("'{}' has no meaning here, nothing is run",
+                                                    option->get_name()),
+                                        "", "give the shards and -o alone"));
+  }
+  if (arguments.options.output.empty())
+    throw UsageError("-o", Problem("no folder for the merged table is given", "",
+                                   "give a new folder: -o study"));
+  return arguments.options;
 }
 
 // "500MB", "2 GB".
@@ -158,6 +193,7 @@ std::optional<SweepOptions> options_from(const SweepArguments& arguments) {
   }
   if (!arguments.step.empty()) options.step = step_from(arguments.step);
   if (!arguments.timeout.empty()) options.timeout = seconds_from("--timeout", arguments.timeout);
+  if (!arguments.shard.empty()) options.shard = shard_from(arguments.shard);
   if (!arguments.memory.empty()) options.memory_limit = bytes_from(arguments.memory);
   if (options.output.empty() && !options.dry_run) {
     throw UsageError(
@@ -174,7 +210,6 @@ void add_sweep(CLI::App& app, int& status) {
   command
       .add_option("scene", arguments->scene,
                   "Scene, or a study file, which has all of the options below")
-      ->required()
       ->type_name("SCENE|STUDY.xml");
   add_list(command, "--vary", arguments->vary,
            "Values of a <param>: a list, a range with a count (3cm..5cm:5, 1..100:3:log), or both; "
@@ -211,6 +246,18 @@ void add_sweep(CLI::App& app, int& status) {
       ->type_name("SIZE");
   command.add_flag("--retry", arguments->options.retry,
                    "Repeat runs that crashed, failed, or ran out of time or memory");
+  command
+      .add_option(
+          "--shard", arguments->shard,
+          "Only the runs of one shard of a number of them, 1/16 to 16/16, each with a folder "
+          "of its own; --merge makes one table of all")
+      ->type_name("N/OF");
+  command
+      .add_option("--merge", arguments->options.merged,
+                  "Folders of all shards of a study, instead of a scene: -o gets the table of the "
+                  "whole, as if one machine had run it")
+      ->type_name("DIR...")
+      ->expected(1, -1);
   command.add_flag("--dry-run", arguments->options.dry_run, "List the runs and do nothing");
   command
       .add_option("-o,--output", arguments->options.output,
@@ -230,10 +277,18 @@ void add_sweep(CLI::App& app, int& status) {
       "gt 0@first\" -o study\n"
       "  cogrsim sweep study.xml -o study --jobs 4      a study file, see docs/guide/sweeps.md\n"
       "  mpirun -n 8 cogrsim sweep study.xml -o study   spread over processes and hosts\n"
+      "  cogrsim sweep study.xml --shard 3/16 -o part3   a part of it, as a job of its own\n"
+      "  cogrsim sweep --merge part* -o study           one table of all parts\n"
       "  cogrsim plot study --kind box --x r --y far --by backend -o far.svg\n"
       "A sweep that was ended or killed resumes when the same command is given again; a run that\n"
       "crashes is a row with its cause.");
-  command.callback([arguments, &status] {
+  command.callback([arguments, &command, &status] {
+    if (!arguments->options.merged.empty()) {
+      status = sweep_command(merge_from(command, *arguments));
+      return;
+    }
+    if (arguments->scene.empty())
+      throw UsageError("scene", Problem("no scene is given", "", "or give shards to --merge"));
     auto options = options_from(*arguments);
     status = options ? sweep_command(*options) : kFailed;
   });

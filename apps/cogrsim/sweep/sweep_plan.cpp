@@ -67,7 +67,25 @@ std::string list_of(const Json& names) {
   return out.empty() ? "none" : out;
 }
 
+void take_shard(SweepPlan& plan) {
+  const Shard& shard = plan.options.shard;
+  if (shard.of == 0) return;
+  std::uint64_t hash = hash_bytes(nullptr, 0);
+  std::vector<SweepCase> own;
+  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+    const std::string key = plan.key(plan.cases[i]);
+    hash = hash_bytes(key.data(), key.size() + 1, hash);
+    if (i % shard.of + 1 == shard.number) own.push_back(std::move(plan.cases[i]));
+  }
+  plan.cases_hash = hash;
+  plan.cases = std::move(own);
+}
+
 }  // namespace
+
+std::string Shard::text() const {
+  return of == 0 ? "a whole study" : fmt::format("shard {}/{}", number, of);
+}
 
 std::string SweepPlan::title(const SweepCase& one) const {
   std::string out;
@@ -238,6 +256,7 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
     }
   }
   plan.options = std::move(options);
+  take_shard(plan);
   return plan;
 }
 

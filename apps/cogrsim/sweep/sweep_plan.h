@@ -16,6 +16,12 @@ namespace cogrsim::cli {
 /// More runs than this are refused.
 inline constexpr std::size_t kMostRuns = 1000000;
 
+/// A part of a study that is run by itself: of each `of` runs in a row the one of this number.
+struct Shard {
+  std::size_t number = 1, of = 0;  ///< of 0: the whole study
+  std::string text() const;
+};
+
 /// The options of a study: from a study file, or from the command line.
 struct SweepOptions {
   SceneOptions scene;  ///< `duration`: --until
@@ -28,6 +34,8 @@ struct SweepOptions {
   int jobs = 0;                    ///< 0: one per core; with MPI: one per rank
   double timeout = 0.0;            ///< of one run, in wall-clock time [s]; 0: none
   std::uint64_t memory_limit = 0;  ///< of one run [byte]; 0: none
+  Shard shard;
+  std::vector<std::string> merged;  ///< tables of shards, which become one; nothing is run then
   bool dry_run = false;
   bool retry = false;  ///< runs that crashed, failed or ran out of something once more
 };
@@ -45,6 +53,7 @@ struct SweepPlan {
   std::vector<std::string> scene_measures;  ///< names of the scene's own
   std::uint64_t scene_hash = 0;             ///< of all files that make the scene
   std::vector<SweepCase> cases;
+  std::uint64_t cases_hash = 0;  ///< of the cases of all shards; 0: of a whole study
 
   /// "r=3 cm, seed 7, bullet": for people, and unique within the study.
   std::string title(const SweepCase& one) const;

@@ -66,6 +66,11 @@ double number_from(const Json& value) {
 
 }  // namespace
 
+std::size_t whole_number(const Json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key) || !object[key].is_number_unsigned()) return 0;
+  return object[key].get<std::size_t>();
+}
+
 std::string parameter_column(const std::string& name) {
   return is_own(name) ? "parameter." + name : name;
 }
@@ -96,41 +101,49 @@ Result<> SweepTable::execute(const std::string& sql) {
               "is the disk full, or the file not a study's table?");
 }
 
-Result<SweepTable> SweepTable::open(const SweepPlan& plan) {
-  SweepTable table;
-  table.folder_ = plan.options.output;
-  table.path_ = (fs::path(table.folder_) / kTableName).string();
-  if (const auto made = make_folder(table.folder_); !made) return tl::unexpected(made.error());
-  table.lock_ = ::open(table.folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (table.lock_ < 0 || flock(table.lock_, LOCK_EX | LOCK_NB) != 0) {
-    return fail(fmt::format("another sweep is writing to '{}'", table.folder_), "",
+Result<bool> SweepTable::open_file(const std::string& folder) {
+  folder_ = folder;
+  path_ = (fs::path(folder_) / kTableName).string();
+  if (const auto made = make_folder(folder_); !made) return tl::unexpected(made.error());
+  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0 || flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    return fail(fmt::format("another sweep is writing to '{}'", folder_), "",
                 "wait for it, or give another folder with -o");
   }
   for (const char* name : {kTableName, kCsvName}) {
-    const std::string path = (fs::path(table.folder_) / name).string();
+    const std::string path = (fs::path(folder_) / name).string();
     const OutputKind kind = name == kCsvName ? OutputKind::csv : OutputKind::study;
     if (auto allowed = check_writable(path, kind); !allowed) return tl::unexpected(allowed.error());
   }
-  const bool there = fs::exists(table.path_);
-  const auto opened = open_database(table.path_, true);
+  const bool there = fs::exists(path_);
+  const auto opened = open_database(path_, true);
   if (!opened) return tl::unexpected(opened.error());
-  table.db_ = *opened;
+  db_ = *opened;
   // A database of something else is left as it is.
   if (there) {
-    Statement foreign(table.db_,
+    Statement foreign(db_,
                       "SELECT (SELECT count(*) FROM sqlite_master) > 0 AND NOT EXISTS "
                       "(SELECT 1 FROM sqlite_master WHERE name = 'study')");
     if (!foreign || !foreign.row() || foreign.integer(0) != 0) {
-      return fail(fmt::format("'{}' is not a table of a study", table.path_), "",
+      return fail(fmt::format("'{}' is not a table of a study", path_), "",
                   "choose another folder with -o");
     }
   }
   // Written ahead: readers never wait for the writer, nor it for them.
-  if (auto good = table.execute("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL"); !good) {
+  if (auto good = execute("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL"); !good) {
     return tl::unexpected(good.error());
   }
-  if (auto good = table.prepare(plan); !good) {
-    if (!there) {
+  return there;
+}
+
+Result<SweepTable> SweepTable::open(const SweepPlan& plan) {
+  SweepTable table;
+  const auto there = table.open_file(plan.options.output);
+  if (!there) return tl::unexpected(there.error());
+  Result<> good = table.prepare(plan);
+  if (good) good = table.write_shard(plan);
+  if (!good) {
+    if (!*there) {
       sqlite3_close(std::exchange(table.db_, nullptr));
       std::error_code ignored;
       fs::remove(table.path_, ignored);
@@ -226,12 +239,31 @@ Result<> SweepTable::create(const SweepPlan& plan) {
   return execute("COMMIT");
 }
 
+// After the table is known to be of this study: a study may have grown.
+Result<> SweepTable::write_shard(const SweepPlan& plan) {
+  if (plan.options.shard.of == 0) return {};
+  Statement insert(db_, "INSERT OR REPLACE INTO study VALUES ('shard', ?)");
+  const Json shard = {{"number", plan.options.shard.number},
+                      {"of", plan.options.shard.of},
+                      {"cases", plan.cases.size()},
+                      {"hash", fmt::format("{:016x}", plan.cases_hash)}};
+  insert.bind(1, shard.dump());
+  insert.row();
+  if (!insert.done()) return fail(fmt::format("'{}': {}", path_, insert.error()));
+  return {};
+}
+
 Result<> SweepTable::read_existing(const SweepPlan& plan) {
   Statement study(db_, "SELECT key, value FROM study");
   if (!study) return fail(fmt::format("'{}' is not a table of a study: {}", path_, study.error()));
   int version = 0;
   Json definition;
+  Shard shard;
   while (study.row()) {
+    if (study.text(0) == "shard") {
+      const Json read = Json::parse(study.text(1), nullptr, false);
+      shard = {whole_number(read, "number"), whole_number(read, "of")};
+    }
     if (study.text(0) == "version") version = std::atoi(study.text(1).c_str());
     if (study.text(0) == "definition") definition = Json::parse(study.text(1), nullptr, false);
   }
@@ -244,6 +276,11 @@ Result<> SweepTable::read_existing(const SweepPlan& plan) {
   if (!differences.empty()) {
     return fail(fmt::format("'{}' is of another study: {}", path_, fmt::join(differences, "; ")),
                 "", "give another folder with -o, or the parameters of that study");
+  }
+  if (shard.number != plan.options.shard.number || shard.of != plan.options.shard.of) {
+    return fail(
+        fmt::format("'{}' is {}, and not {}", path_, shard.text(), plan.options.shard.text()), "",
+        "give each shard a folder of its own with -o");
   }
   Statement columns(db_, "SELECT name, kind FROM columns ORDER BY rowid");
   while (columns && columns.row()) {

@@ -26,6 +26,10 @@ class SweepTable {
   static Result<SweepTable> open(const SweepPlan& plan);
   /// The runs in an existing table, without making one; for `--dry-run`. Errors: as open().
   static Result<std::set<std::string>> peek(const SweepPlan& plan);
+  /// The table of a study of the tables of its shards (folders or files), in a folder that has none.
+  /// Errors: a shard that is missing, incomplete, given twice, or of another study; as open().
+  static Result<SweepTable> merge(const std::vector<std::string>& shards,
+                                  const std::string& folder);
   ~SweepTable();
   SweepTable(SweepTable&& other) noexcept;
   SweepTable& operator=(SweepTable&&) = delete;
@@ -49,6 +53,11 @@ class SweepTable {
 
  private:
   SweepTable() = default;
+  /// Makes the folder and opens the file; true: it was there.
+  Result<bool> open_file(const std::string& folder);
+  Result<> write_shard(const SweepPlan& plan);
+  Result<> fill_from(sqlite3* from, const std::string& source);
+  Result<> take_rows(sqlite3* from, const std::string& source, const std::string& table);
   Result<> prepare(const SweepPlan& plan);
   Result<> read_existing(const SweepPlan& plan);
   Result<> create(const SweepPlan& plan);
@@ -63,6 +72,9 @@ class SweepTable {
   std::set<std::string> done_, measures_;
   std::vector<std::string> parameters_;
 };
+
+/// A whole number of an object that a stranger may have written; 0: it is not there.
+std::size_t whole_number(const Json& object, const char* key);
 
 /// The name of a column: a parameter or measure that is called as a column of the table's own gets
 /// "parameter." or "measure." before it.
