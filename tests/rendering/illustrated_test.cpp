@@ -126,11 +126,11 @@ TEST_CASE("a floor is darker where something stands on it, and bright colours ar
   const Vec3 foot(0.545, 0.05, 0.0), away(1.95, 0.05, 0.0), under_hanging(0.0, 4.05, 0.0);
   CHECK(brightness(drawn, foot) < brightness(drawn, away) - 30);
   CHECK(std::abs(brightness(plain, foot) - brightness(plain, away)) <= 6);
-  // So high over the floor, a thing darkens nothing right under it.
-  CHECK(std::abs(brightness(drawn, under_hanging) - brightness(drawn, away)) <= 6);
+  // So high over the floor, a thing darkens nothing right under it; a little haze is between.
+  CHECK(std::abs(brightness(drawn, under_hanging) - brightness(drawn, away)) <= 15);
   const Vec3 top(0.2, 0.2, 1.0);
-  CHECK(brightness(plain, top) == 3 * 255);
-  CHECK(brightness(drawn, top) < 3 * 254);
+  CHECK(brightness(plain, top) >= 3 * 254);
+  CHECK(brightness(drawn, top) < 3 * 252);
   CHECK(brightness(drawn, top) > 3 * 225);
 }
 
