@@ -55,7 +55,7 @@ float lines(float size) {
   return near * (1.0 - smoothstep(0.15, 0.5, max(width.x, width.y)));
 }
 void main() {
-  float fade = 1.0 - smoothstep(0.3, 1.0, length(v_position - middle) / radius);
+  float fade = 1.0 - smoothstep(0.08, 0.7, length(v_position - middle) / radius);
   float a = max(0.16 * lines(cell), 0.42 * lines(10.0 * cell)) * fade;
   if (a < 0.004) discard;
   gl_FragColor = vec4(color, a);

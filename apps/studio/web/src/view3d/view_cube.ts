@@ -89,6 +89,8 @@ export class ViewCube {
     this.element.setAttribute("class", "cg-cube");
     this.element.setAttribute("viewBox", `${-kBox / 2} ${-kBox / 2} ${kBox} ${kBox}`);
     this.element.setAttribute("role", "img");
+    // until it is known from where one looks
+    this.element.setAttribute("visibility", "hidden");
     this.element.setAttribute("aria-label", "View cube: click a side, an edge or a corner. Keys 1 to 7 do the same");
     this.faces = kViews
       .filter((view) => view in kNames)
@@ -133,11 +135,12 @@ export class ViewCube {
     const key = [q.x, q.y, q.z, q.w].map((v) => v.toFixed(3)).join();
     if (key === this.drawn) return;
     this.drawn = key;
+    this.element.setAttribute("visibility", "visible");
     const [right, up, back] = pictureAxes(q);
     const at = (p: Vec3): [number, number] => [kHalf * dot(p, right), -kHalf * dot(p, up)];
     for (const face of this.faces) {
       const seen = dot(face.normal, back) > 0.05;
-      face.group.setAttribute("visibility", seen ? "visible" : "hidden");
+      face.group.setAttribute("visibility", seen ? "inherit" : "hidden");
       if (!seen) continue;
       for (const { shape, corners } of face.patches)
         shape.setAttribute(
