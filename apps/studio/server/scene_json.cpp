@@ -274,6 +274,7 @@ class SceneWriter {
     Frame start;
     start.model = record.model;
     for (const Body& b : record.model->bodies) start.state.poses.push_back(b.X_WB);
+    start.state.twists.resize(record.model->bodies.size());
     return start;
   }
   double plane_extent() const {

@@ -99,6 +99,14 @@ test("the picture has half of a window of 1440 x 900, and tools lie over it", as
     };
     await expect.poll(share, { message: `in layout ${name}` }).toBeGreaterThan(0.5);
   }
+  // what is drawn of a selected camera: 60 degrees across, 64 to 48 pixels
+  const scene = await until(page, "scene", () => true, "the scene");
+  const corners = scene.sensors[0].rays.map(([, , , x, y, z]: number[]) => [y! / x!, z! / x!]);
+  const half = Math.tan(Math.PI / 6);
+  for (const [i, [y, z]] of [[1, 1], [-1, 1], [-1, -1], [1, -1]].entries()) {
+    expect(corners[i][0]).toBeCloseTo(y! * half, 6);
+    expect(corners[i][1]).toBeCloseTo(0.75 * z! * half, 6);
+  }
   const cube = page.getByRole("img", { name: /^View cube/ });
   await expect(cube).toBeVisible();
   // what is shown over the scene is chosen in a list that stays
