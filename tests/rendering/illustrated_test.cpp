@@ -107,6 +107,33 @@ TEST_CASE("a floor fades into the sky, without an end", "[rendering][illustrated
   CHECK(steepest(take(model, illustrated(camera))) < 100);
 }
 
+TEST_CASE("a floor is darker where something stands on it, and bright colours are not cut off",
+          "[rendering][illustrated]") {
+  ModelBuilder builder;
+  const int pale = colored(builder, 0.8, 0.8, 0.8), white = colored(builder, 1.0, 1.0, 1.0);
+  builder.plane("floor", {}, pale);
+  builder.box("box", Vec3(1, 1, 1), 1.0, at(0, 0, 0.5), white);
+  builder.box("other", Vec3(1, 1, 1), 1.0, at(0, 4, 3.0), pale);
+  const SceneModelPtr model = builder.build();
+  const Camera camera = make_camera(look(Vec3(6, -3, 5), Vec3(0.5, 0.5, 0)), 320, 240, 0.8);
+  const Picture drawn = take(model, illustrated(camera)), plain = take(model, request_of(camera));
+  const auto brightness = [&](const Picture& picture, const Vec3& point) {
+    const Eigen::Vector2d where = project(camera, point);
+    return sum(pixel(picture, static_cast<int>(where.x()), static_cast<int>(where.y())));
+  };
+  // The light comes from +x: beside the box there, nothing is between floor and light. Between the
+  // lines of the grid.
+  const Vec3 foot(0.545, 0.05, 0.0), away(1.95, 0.05, 0.0), under_hanging(0.0, 4.05, 0.0);
+  CHECK(brightness(drawn, foot) < brightness(drawn, away) - 30);
+  CHECK(std::abs(brightness(plain, foot) - brightness(plain, away)) <= 6);
+  // So high over the floor, a thing darkens nothing right under it; a little haze is between.
+  CHECK(std::abs(brightness(drawn, under_hanging) - brightness(drawn, away)) <= 15);
+  const Vec3 top(0.2, 0.2, 1.0);
+  CHECK(brightness(plain, top) >= 3 * 254);
+  CHECK(brightness(drawn, top) < 3 * 252);
+  CHECK(brightness(drawn, top) > 3 * 225);
+}
+
 TEST_CASE("the view goes along with what moves, and rests where nothing does",
           "[rendering][framing]") {
   Moving one(1);

@@ -605,7 +605,9 @@ const std::vector<ProtocolType>& protocol_types() {
                   {"parent", "integer"},
                   {"child", "integer"},
                   {"parent_pose", "Pose"},
-                  {"child_pose", "Pose"}})},
+                  {"child_pose", "Pose"},
+                  {"limits?", "(number | null)[][]",
+                   "lowest and highest coordinate of each axis [rad] or [m]; null: none"}})},
       {"SceneMotor", "",
        from_file({{"joint", "integer"}, {"axis?", "integer"}, {"mode?", "string"}})},
       {"SceneSensor", "",
@@ -616,7 +618,10 @@ const std::vector<ProtocolType>& protocol_types() {
             {"pose", "Pose"},
             {"show?", "boolean",
              "asked to be seen: where any ranging sensor is, rays of the others are not drawn"},
-            {"rays", "number[][]", "origin, direction, range of each, in the sensor's frame"}})},
+            {"rays", "number[][]",
+             "origin, direction, range of each, in the sensor's frame; of a camera the corners of "
+             "its "
+             "picture, range 0"}})},
       {"SceneLight", "",
        from_file({{"type", "\"directional\" | \"point\" | \"spot\""},
                   {"pose", "Pose"},

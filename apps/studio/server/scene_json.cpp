@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cogrsim/rendering/looks.h"
 #include "cogrsim/rendering/standard_view.h"
@@ -51,7 +52,7 @@ const char* kind_of(ForceModel::Kind kind) {
 class SceneWriter {
  public:
   SceneWriter(const SceneRecord& record, const std::map<std::string, std::size_t>& assets)
-      : record_(record), model_(*record.model), assets_(assets) {}
+      : record_(record), model_(*record.model), assets_(assets), start_(start_of(record)) {}
 
   Json write() {
     plane_ = plane_extent();
@@ -69,17 +70,25 @@ class SceneWriter {
       return {{"parent", a.parent}, {"rigid", a.rigid}, {"pose", to_json(a.X_WA)}};
     });
     out["joints"] = list(model_.joints, from.joints, [](const Joint& j) -> Json {
+      Json limits = Json::array();
+      for (const JointAxis& axis : j.axes) {
+        Json ends = Json::array();
+        for (const double end : {axis.lower, axis.upper})
+          ends.push_back(std::isfinite(end) ? Json(end) : Json());
+        limits.push_back(std::move(ends));
+      }
       return {{"type", to_string(j.type)},
               {"parent", j.parent},
               {"child", j.child},
               {"parent_pose", to_json(j.X_PF)},
-              {"child_pose", to_json(j.X_CM)}};
+              {"child_pose", to_json(j.X_CM)},
+              {"limits", std::move(limits)}};
     });
     out["motors"] = list(model_.motors, from.motors, [](const Motor& m) -> Json {
       return {{"joint", m.joint}, {"axis", m.axis}, {"mode", to_string(m.mode)}};
     });
     out["sensors"] =
-        list(model_.sensors, from.sensors, [](const SensorModel& s) { return sensor(s); });
+        list(model_.sensors, from.sensors, [this](const SensorModel& s) { return sensor(s); });
     out["regions"] = list(model_.regions, from.regions, [](const RegionModel& r) -> Json {
       return {{"type", r.type == RegionModel::Type::box ? "box" : "sphere"},
               {"body", r.body},
@@ -196,9 +205,17 @@ class SceneWriter {
     return out;
   }
 
-  static Json sensor(const SensorModel& s) {
+  Json sensor(const SensorModel& s) const {
     const RangeLimits limits = range_limits(s);
     Json rays = Json::array();
+    if (const auto seen = camera_request(model_, s, start_.state); s.type == "camera" && seen) {
+      const Camera& c = seen->camera;
+      for (const auto& [column, row] :
+           {std::pair(0, 0), {c.width, 0}, {c.width, c.height}, {0, c.height}}) {
+        const Vec3 d = Vec3(1.0, (c.cx - column) / c.fx, (c.cy - row) / c.fy).normalized();
+        rays.push_back({0.0, 0.0, 0.0, d.x(), d.y(), d.z(), 0.0});
+      }
+    }
     for (const Vec3& d : ray_directions(s)) {
       rays.push_back({0.0, 0.0, 0.0, d.x(), d.y(), d.z(), limits.most});
     }
@@ -253,16 +270,21 @@ class SceneWriter {
             {"heights", std::move(heights)}};
   }
 
-  double plane_extent() const {
+  static Frame start_of(const SceneRecord& record) {
     Frame start;
-    start.model = record_.model;
-    for (const Body& b : model_.bodies) start.state.poses.push_back(b.X_WB);
-    return std::max(kPlaneLeast, kPlaneShare * 2.0 * visible_bounds(start).half().norm());
+    start.model = record.model;
+    for (const Body& b : record.model->bodies) start.state.poses.push_back(b.X_WB);
+    start.state.twists.resize(record.model->bodies.size());
+    return start;
+  }
+  double plane_extent() const {
+    return std::max(kPlaneLeast, kPlaneShare * 2.0 * visible_bounds(start_).half().norm());
   }
 
   const SceneRecord& record_;
   const SceneModel& model_;
   const std::map<std::string, std::size_t>& assets_;
+  const Frame start_;
   double plane_ = kPlaneLeast;
 };
 

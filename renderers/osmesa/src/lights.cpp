@@ -5,24 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "look.h"
 #include "srgb.h"
 
 namespace cogrsim::osmesa {
 
 namespace {
 
-// A white wall that faces one light of intensity 1 comes out white, what no light reaches about a
-// quarter as bright to the eye's measure. It differs by direction, so that no two faces of a box in
-// the shade are alike.
-constexpr double kLightShare = 0.8, kAmbientMiddle = 0.19;
-const Vec3 kAmbientToward(0.01, -0.05, 0.09);
-// Without lights in the scene: for who looks from `iso`, a key light from the upper left and a weak
-// one from the right.
-const Vec3 kKey(-0.7, 0.3, -1.0), kFill(0.05, -0.9, -0.5);
-constexpr double kFillShare = 0.16;
-// At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square.
-constexpr double kLampRange = 6.0;
-constexpr double kSpotEdge = 0.85;  // share of the cone that has full brightness
+// For cameras of the scene: what no light reaches is about a quarter as bright to the eye's measure
+// as what is lit. It differs by direction, so that no two faces of a box in the shade are alike.
+constexpr double kAmbientMiddle = 0.19;
 
 constexpr double kLampNear = 0.02;  // nothing nearer casts a lamp's shadow [m]
 
@@ -141,9 +133,17 @@ std::vector<ShadowMap> shadow_maps(const Light& light, const CasterBounds& bound
 }
 
 void set_lights(Program& program, const std::vector<Light>& lights, bool shadows,
-                const CasterBounds& bounds, const View& view, int map_size) {
-  program.set("u_ambient_middle", Eigen::Vector3f(Vec3::Constant(kAmbientMiddle).cast<float>()));
-  program.set("u_ambient_toward", Eigen::Vector3f(kAmbientToward.cast<float>()));
+                const CasterBounds& bounds, const View& view, int map_size, Look look) {
+  const bool plain = look == Look::plain;
+  const Vec3 middle =
+      plain ? Vec3::Constant(kAmbientMiddle) : Vec3(0.5 * (kSkyLight + kGroundLight));
+  program.set("u_ambient_middle", Eigen::Vector3f(middle.cast<float>()));
+  program.set(
+      "u_ambient_toward",
+      Eigen::Vector3f((plain ? kAmbientToward : kAmbientToward.normalized()).cast<float>()));
+  if (!plain)
+    program.set("u_ambient_half",
+                Eigen::Vector3f((0.5 * (kSkyLight - kGroundLight)).cast<float>()));
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const Light& light = lights[i];
     const auto name = [i](const char* what) { return fmt::format("u_light{}_{}", i, what); };

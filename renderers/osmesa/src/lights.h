@@ -51,6 +51,6 @@ std::vector<ShadowMap> shadow_maps(const Light& light, const CasterBounds& bound
 
 /// Sets the uniforms of lit_fragment_shader() for a view.
 void set_lights(Program& program, const std::vector<Light>& lights, bool shadows,
-                const CasterBounds& bounds, const View& view, int map_size);
+                const CasterBounds& bounds, const View& view, int map_size, Look look);
 
 }  // namespace cogrsim::osmesa

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "look.h"
 #include "overlay.h"
 #include "srgb.h"
 
@@ -58,7 +59,7 @@ bool kept(const std::vector<T>& before, const std::vector<T>& now, int i) {
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(const Gl& gl) : gl_(gl) {
+SceneRenderer::SceneRenderer(const Gl& gl) : gl_(gl), contact_(gl) {
   gl_.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Enable(GL_FRAMEBUFFER_SRGB);
@@ -133,6 +134,7 @@ Result<> SceneRenderer::take_model(const SceneModelPtr& model) {
     }
   }
   lights_ = lights_of(*model);
+  contact_.take_model(model);
   model_ = model;
   poses_.clear();
   placements_.clear();
@@ -144,7 +146,7 @@ void SceneRenderer::take_poses(const std::vector<Pose>& poses) {
   poses_ = poses;
   placements_ = place_items(items_, poses);
   casters_ = bounds_of(items_, placements_);
-  shadows_drawn_ = false;
+  shadows_drawn_ = contact_drawn_ = false;
 }
 
 const Geometry& SceneRenderer::geometry_of(std::size_t index, int segments) {
@@ -387,6 +389,38 @@ void SceneRenderer::draw_shadow_maps() {
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
+void SceneRenderer::draw_contact() {
+  if (contact_drawn_) return;
+  contact_drawn_ = true;
+  const std::optional<View> view = contact_.view_for(poses_);
+  if (!view) return;
+  constexpr int kSize = ContactShadows::kSize;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target(Target::Kind::data, kSize, kSize, 1).framebuffer());
+  gl_.Viewport(0, 0, kSize, kSize);
+  const float nothing[] = {1.0F, 0.0F, 0.0F, 0.0F};
+  const float far = 1.0F;
+  gl_.ClearBufferfv(GL_COLOR, 0, nothing);
+  gl_.ClearBufferfv(GL_DEPTH, 0, &far);
+  gl_.DepthFunc(GL_LESS);
+  DrawOptions options;
+  options.segments = 24;
+  options.opaque_only = true;
+  DrawList list = list_items(
+      items_, placements_, *view, options,
+      [this](std::size_t i, int segments) -> const Geometry& { return geometry_of(i, segments); },
+      nullptr);
+  for (Batch& batch : list.batches) batch.cull = false;
+  upload(list);
+  Program& program = this->program(
+      "height", [] { return instanced_vertex_shader(false, false); }, height_fragment_shader);
+  program.use();
+  program.set("u_clip", Eigen::Matrix4f(view->clip.cast<float>()));
+  draw(list, false, nullptr);
+  std::vector<float> heights(2 * std::size_t{kSize} * kSize);
+  gl_.ReadPixels(0, 0, kSize, kSize, GL_RG, GL_FLOAT, heights.data());
+  contact_.take(heights);
+}
+
 void SceneRenderer::set_sky(Program& program, const RenderRequest& request) const {
   if (request.background.kind == Background::Kind::plain) {
     const Color& plain = request.background.color;
@@ -394,13 +428,14 @@ void SceneRenderer::set_sky(Program& program, const RenderRequest& request) cons
       program.set(name, linear(plain.r, plain.g, plain.b));
     return;
   }
-  const Eigen::Vector3f horizon = linear(0.86, 0.91, 0.96);
+  const auto linear = [](const Vec3& c) { return osmesa::linear(c.x(), c.y(), c.z()); };
+  const Eigen::Vector3f horizon = linear(kHorizon);
   const bool floor = std::any_of(items_.begin(), items_.end(),
                                  [](const Item& item) { return item.type == ShapeType::plane; });
-  program.set("u_zenith", linear(0.36, 0.56, 0.80));
+  program.set("u_zenith", linear(kZenith));
   program.set("u_horizon", horizon);
   // A floor fades into the haze above it.
-  program.set("u_nadir", request.illustrated && floor ? horizon : linear(0.62, 0.63, 0.64));
+  program.set("u_nadir", request.illustrated && floor ? horizon : linear(kNadir));
 }
 
 void SceneRenderer::draw_sky(const View& view, const RenderRequest& request) {
@@ -421,6 +456,7 @@ void SceneRenderer::draw_sky(const View& view, const RenderRequest& request) {
 
 void SceneRenderer::draw_color(const View& view, const RenderRequest& request, int samples) {
   if (request.shadows) draw_shadow_maps();
+  if (request.illustrated && request.shadows) draw_contact();
   gl_.BindFramebuffer(GL_FRAMEBUFFER,
                       target(Target::Kind::color, view.width, view.height, samples).framebuffer());
   gl_.Viewport(0, 0, view.width, view.height);
@@ -459,8 +495,9 @@ void SceneRenderer::draw_color(const View& view, const RenderRequest& request, i
       if (std::find(ready.begin(), ready.end(), &wanted) == ready.end()) {
         ready.push_back(&wanted);
         wanted.set("u_clip", Eigen::Matrix4f(view.clip.cast<float>()));
-        set_lights(wanted, lights_, request.shadows, casters_, view, kShadowMapSize);
+        set_lights(wanted, lights_, request.shadows, casters_, view, kShadowMapSize, look);
         if (look == Look::floor) {
+          contact_.set(wanted, view);
           set_sky(wanted, request);
           wanted.set("u_fade", Eigen::Vector3f(static_cast<float>(kFadeBegin * view.far),
                                                static_cast<float>(kFadeEnd * view.far), 0.0F));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cogrsim/rendering/renderer.h"
+#include "contact.h"
 #include "draw_list.h"
 #include "gl_objects.h"
 #include "lens.h"
@@ -29,6 +30,7 @@ class SceneRenderer {
   Result<> take_model(const SceneModelPtr& model);
   void take_poses(const std::vector<Pose>& poses);
   void draw_shadow_maps();
+  void draw_contact();
   Result<Picture> take_picture(const RenderRequest& request);
   Result<Picture> take_bent_picture(const RenderRequest& request);
   Picture take_straight_picture(const RenderRequest& request);
@@ -64,7 +66,8 @@ class SceneRenderer {
   std::vector<Pose> poses_;
   std::vector<Placement> placements_;
   CasterBounds casters_;
-  bool shadows_drawn_ = false;
+  ContactShadows contact_;
+  bool shadows_drawn_ = false, contact_drawn_ = false;
 
   // Unit shapes serve every model; meshes and textures go with theirs. Second: segments or mesh.
   std::map<std::pair<ShapeType, int>, std::unique_ptr<Geometry>> unit_shapes_, meshes_;

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "look.h"
+
 namespace cogrsim::osmesa {
 
 namespace {
@@ -65,6 +67,28 @@ vec3 sky(vec3 ray) {
   return mix(above, u_nadir, clamp(-8.0 * up, 0.0, 1.0));
 }
 )";
+
+constexpr const char* kFloorUniforms = R"(
+uniform vec3 u_fade;
+uniform sampler2D u_contact;
+uniform vec4 u_contact_area;    // its middle, 1 / its width, how much light is lost
+uniform vec3 u_contact_ground;  // height, how far from it a plane is still the floor
+)";
+constexpr const char* kContactLoss = R"(
+  vec2 at = 0.5 + (v_position.xy - u_contact_area.xy) * u_contact_area.z;
+  float lost = u_contact_area.w * texture(u_contact, at).r;
+  o_color.rgb *= 1.0 - lost * step(abs(v_position.z - u_contact_ground.x), u_contact_ground.y);
+)";
+
+/// What is brighter than the knee approaches white ever more slowly, and keeps its hue.
+std::string tone_mapping() {
+  return fmt::format(R"(
+  float most = max(o_color.r, max(o_color.g, o_color.b));
+  if (most > {0:.3f})
+    o_color.rgb *= ({0:.3f} + {1:.3f} * (1.0 - exp(({0:.3f} - most) / {1:.3f}))) / most;
+)",
+                     kKnee, 1.0 - kKnee);
+}
 
 }  // namespace
 
@@ -158,6 +182,13 @@ void main() { o_data = vec2(1.0 / gl_FragCoord.w, v_body); }
 )";
 }
 
+std::string height_fragment_shader() {
+  return std::string(kVersion) + R"(
+out vec2 o_data;
+void main() { o_data = vec2(gl_FragCoord.z, 0.0); }
+)";
+}
+
 std::string shadow_fragment_shader() { return std::string(kVersion) + "void main() {}\n"; }
 
 std::string lit_fragment_shader(const std::string& lights, bool textured, Look look) {
@@ -185,12 +216,12 @@ uniform vec3 u_ambient_toward;
     }
   }
   if (shadows) out += kShadowFunctions;
-  if (look == Look::floor) out += std::string(kSkyFunction) + "uniform vec3 u_fade;\n";
-  out += R"(
-void main() {
-  vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);
-  vec3 light = u_ambient_middle + vec3(dot(n, u_ambient_toward));
-)";
+  if (look == Look::floor) out += std::string(kSkyFunction) + kFloorUniforms;
+  if (look != Look::plain) out += "uniform vec3 u_ambient_half;\n";
+  out += "void main() {\n  vec3 n = normalize(gl_FrontFacing ? v_normal : -v_normal);\n";
+  out += look == Look::plain
+             ? "  vec3 light = u_ambient_middle + vec3(dot(n, u_ambient_toward));\n"
+             : "  vec3 light = u_ambient_middle + dot(n, u_ambient_toward) * u_ambient_half;\n";
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const char kind = static_cast<char>(lights[i] | 0x20);
     const bool casts = lights[i] < 'a';
@@ -236,6 +267,8 @@ void main() {
   out += textured ? "  vec4 color = v_color * texture(u_texture, v_uv);\n"
                   : "  vec4 color = v_color;\n";
   out += "  o_color = vec4(color.rgb * light, color.a);\n";
+  if (look == Look::floor) out += kContactLoss;
+  if (look != Look::plain) out += tone_mapping();
   if (look == Look::outlined) {
     // On a round surface the cosine of the view angle falls with the root of the distance to the
     // outline; divided by twice its change from pixel to pixel it is that distance [pixel].

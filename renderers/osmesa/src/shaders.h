@@ -38,6 +38,8 @@ class Program {
 std::string instanced_vertex_shader(bool shading, bool textured);
 std::string data_fragment_shader();
 std::string shadow_fragment_shader();
+/// Depth, 0 to 1, as data.
+std::string height_fragment_shader();
 /// How a surface is drawn beside its light: as a camera sees it, with a dark outline, or as a floor
 /// that fades into the sky.
 enum class Look { plain, outlined, floor };

@@ -238,7 +238,8 @@ export function read_png(file: Buffer): Picture {
 }
 
 export async function look(what: Locator): Promise<Picture> {
-  return read_png(await what.screenshot({ animations: "disabled" }));
+  // without the tools and the cube that lie over the 3D view
+  return read_png(await what.screenshot({ animations: "disabled", style: ".cg-over, .cg-over-side { visibility: hidden }" }));
 }
 
 /** Waits until the picture holds still, and returns it. */
@@ -264,7 +265,7 @@ export const row = (page: Page, name: string): Locator =>
   page.getByRole("tree", { name: "Scene tree" }).getByRole("treeitem", { name, exact: true });
 
 /** Opens a layout by its button. */
-export async function layout(page: Page, name: "Run" | "Edit" | "Analyse" | "Compare"): Promise<void> {
+export async function layout(page: Page, name: "Run" | "Edit" | "Code" | "Analyse" | "Compare"): Promise<void> {
   await page.getByRole("button", { name: `Layout ${name}`, exact: true }).click();
 }
 

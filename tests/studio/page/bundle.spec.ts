@@ -68,7 +68,7 @@ test("a bundle opens from disk with the network off: picture, timeline, curve, t
     await expect(page.getByTestId("connection")).toBeHidden();
 
     // the ball is seen where it begins
-    await page.getByRole("button", { name: "Front", exact: true }).click();
+    await page.locator("[data-command='view:front']").click();
     const before = (await still(view)).find(red);
     expect(before.count).toBeGreaterThan(100);
 
@@ -127,6 +127,37 @@ test("a bundle opens from disk with the network off: picture, timeline, curve, t
     expect((await look(view)).find(red).count).toBeGreaterThan(0);
     await expect(page.locator("img[src=x]")).toHaveCount(0);
     expect(wrong).toEqual([]);
+  } finally {
+    await context.close();
+    rmSync(folder, { recursive: true, force: true });
+  }
+});
+
+test("on a phone the picture comes first and the run plays; an address names a time and a view", async ({ browser }) => {
+  const { file, folder } = bundled(kFall, ["-d", "0.8"]);
+  const context = await browser.newContext({ offline: true, viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  try {
+    const page = await context.newPage();
+    await page.goto(pathToFileURL(file).href);
+    const view = page.getByTestId("view3d");
+    // the map, which the other tests ask, lies behind the picture here
+    const time = (of: Page) => of.getByTestId("view3d").getAttribute("data-time").then(Number);
+    await expect.poll(() => time(page)).toBeGreaterThan(0.1);
+    const box = (await view.boundingBox())!;
+    expect(box.y).toBeLessThan(60);
+    expect(box.width).toBeGreaterThan(380);
+    expect(box.height).toBeGreaterThan(844 / 2);
+    // nothing is wider than the phone
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
+    await keep(page, "bundle_on_a_phone");
+
+    const other = await context.newPage();
+    await other.goto(`${pathToFileURL(file).href}#t=0.4&view=front`);
+    await expect.poll(() => time(other)).toBeCloseTo(0.4, 1);
+    const asked = (await still(other.getByTestId("view3d"))).find(red);
+    expect(asked.count).toBeGreaterThan(20);
+    await other.evaluate(() => (location.hash = "#t=soon&view=top"));
+    await expect(other.getByText("'soon', which is no number of seconds").first()).toBeVisible();
   } finally {
     await context.close();
     rmSync(folder, { recursive: true, force: true });

@@ -86,3 +86,22 @@ test("in the dark the floor is dark", async () => {
   expect(bright(dark)).toBeLessThan(250);
   await keep(page, "dark_floor");
 });
+
+test("a drag that leads under the floor slides along it", async () => {
+  const { page } = its;
+  const view = page.getByTestId("view3d");
+  const box = (await view.boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + 60];
+  for (let i = 0; i < 3; ++i) {
+    await page.mouse.move(x, y + 300);
+    await page.mouse.down();
+    await page.mouse.move(x, y, { steps: 5 });
+    await page.mouse.up();
+  }
+  await expect.poll(() => view.getAttribute("data-height").then(Number)).toBeLessThan(0.3);
+  expect(Number(await view.getAttribute("data-height"))).toBeGreaterThan(0);
+  await keep(page, "along_the_floor");
+  // asked for, one looks from below
+  await page.keyboard.press("6");
+  await expect.poll(() => view.getAttribute("data-height").then(Number)).toBeLessThan(0);
+});

@@ -40,6 +40,7 @@ async function tidy(): Promise<void> {
 
 test("panels are closed, reopened, dragged and resized without deforming the rest, and all that is remembered", async () => {
   const { page } = its;
+  await layout(page, "Code");
   const rect = async (name: string) => (await page.getByTestId(`panel-${name}`).boundingBox())!;
   const before = await rect("properties");
   await page.getByRole("tab", { name: "Console", exact: true }).locator(".lm-TabBar-tabCloseIcon").click();
@@ -85,6 +86,37 @@ test("panels are closed, reopened, dragged and resized without deforming the res
     const now = await rect("map");
     for (const side of ["x", "y", "width", "height"] as const) expect(Math.abs(now[side] - map[side])).toBeLessThan(3);
   }).toPass();
+});
+
+test("the picture has half of a window of 1440 x 900, and tools lie over it", async () => {
+  const { page } = its;
+  await page.setViewportSize({ width: 1440, height: 900 });
+  for (const name of ["Run", "Edit"] as const) {
+    await layout(page, name);
+    const share = async () => {
+      const box = (await page.getByTestId("view3d").boundingBox())!;
+      return (box.width * box.height) / (1440 * 900);
+    };
+    await expect.poll(share, { message: `in layout ${name}` }).toBeGreaterThan(0.5);
+  }
+  // what is drawn of a selected camera: 60 degrees across, 64 to 48 pixels
+  const scene = await until(page, "scene", () => true, "the scene");
+  const corners = scene.sensors[0].rays.map(([, , , x, y, z]: number[]) => [y! / x!, z! / x!]);
+  const half = Math.tan(Math.PI / 6);
+  for (const [i, [y, z]] of [[1, 1], [-1, 1], [-1, -1], [1, -1]].entries()) {
+    expect(corners[i][0]).toBeCloseTo(y! * half, 6);
+    expect(corners[i][1]).toBeCloseTo(0.75 * z! * half, 6);
+  }
+  const cube = page.getByRole("img", { name: /^View cube/ });
+  await expect(cube).toBeVisible();
+  // what is shown over the scene is chosen in a list that stays
+  await page.getByRole("button", { name: "Overlays of the scene" }).click();
+  for (const what of ["Joint Axes", "Centres of Mass"]) await page.getByRole("checkbox", { name: what }).check();
+  await expect(page.getByRole("checkbox", { name: "Joint Axes" })).toBeVisible();
+  await keep(page, "overlays_stay");
+  for (const what of ["Joint Axes", "Centres of Mass"]) await page.getByRole("checkbox", { name: what }).uncheck();
+  await page.getByRole("button", { name: "Overlays of the scene" }).click();
+  await expect(page.getByRole("checkbox", { name: "Joint Axes" })).toBeHidden();
 });
 
 test("a panel is popped out into a window of its own and comes back", async () => {
@@ -229,7 +261,7 @@ for (const theme of ["light", "dark"] as const) {
     const page = await (await browser.newContext({ colorScheme: theme, bypassCSP: true })).newPage();
     await visit(page, server);
     await page.addScriptTag({ content: axe.source });
-    for (const name of ["Run", "Edit", "Analyse", "Compare"] as const) {
+    for (const name of ["Run", "Edit", "Code", "Analyse", "Compare"] as const) {
       await layout(page, name);
       await expect(page.getByTestId("view3d")).toBeVisible();
       if (name === "Edit") {

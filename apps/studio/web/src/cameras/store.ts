@@ -205,5 +205,7 @@ function workArea(): Rect {
   const dock = typeof document === "undefined" ? null : document.querySelector(".cg-dock, .lm-DockPanel");
   const box = dock?.getBoundingClientRect();
   if (!box || box.width < 100 || box.height < 100) return { x: 0, y: 0, ...pageSize() };
-  return { x: box.x, y: box.y + 28, width: box.width, height: box.height - 28 };
+  // beside the view cube and the tools below it
+  return { x: box.x, y: box.y + 28, width: box.width - kViewTools, height: box.height - 28 };
 }
+const kViewTools = 130;

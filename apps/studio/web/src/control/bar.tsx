@@ -1,6 +1,6 @@
 // The control bar.
 import "@preact/signals";
-import { render, type ComponentChildren } from "preact";
+import { render, type ComponentChildren, type VNode } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { kSpeeds, speedText, type Control } from "./commands";
 import "./control.css";
@@ -88,7 +88,7 @@ function StepField({ control }: { control: Control }) {
   };
   return (
     <span class="cg-step-field">
-      <label for="time-step">Time step</label>
+      <label for="time-step">Step</label>
       <input
         id="time-step"
         ref={field}
@@ -201,8 +201,12 @@ function Figures({ control }: { control: Control }) {
   const status = control.studio.state.status.value;
   const factor = status?.state === "playing" && !status.waiting ? `${status.factor.toFixed(2)}×` : "–";
   return (
-    <span class="cg-factor" title="Measured simulated seconds per wall-clock second" data-testid="factor">
-      Real-time factor <output aria-live="off">{factor}</output>
+    <span
+      class="cg-factor"
+      title="Real-time factor: measured simulated seconds per wall-clock second"
+      data-testid="factor"
+    >
+      <span class="cg-unseen">Real-time factor</span> <output aria-live="off">{factor}</output>
     </span>
   );
 }
@@ -277,22 +281,29 @@ function Bar({ control }: { control: Control }) {
         />
       </span>
       {!past && <Figures control={control} />}
-      <span class="cg-group">
-        <StepField control={control} />
-      </span>
-      <span class="cg-group">
-        <Backend control={control} />
-      </span>
-      <span class="cg-group">
-        <Record control={control} />
-      </span>
     </>
   );
 }
 
-export function showBar(control: Control, node: HTMLElement): void {
-  node.classList.add("cg-control");
-  node.setAttribute("role", "toolbar");
-  node.setAttribute("aria-label", "Run");
-  render(<Bar control={control} />, node);
+/** What is chosen before a run more often than during it. */
+function Settings({ control }: { control: Control }) {
+  return (
+    <>
+      <Backend control={control} />
+      <StepField control={control} />
+      <Record control={control} />
+    </>
+  );
+}
+
+/** The bar that drives the run, and apart from it what the run is made with. */
+export function showBar(control: Control, bar: HTMLElement, settings: HTMLElement): void {
+  const fill = (node: HTMLElement, label: string, what: VNode) => {
+    node.classList.add("cg-control");
+    node.setAttribute("role", "toolbar");
+    node.setAttribute("aria-label", label);
+    render(what, node);
+  };
+  fill(bar, "Run", <Bar control={control} />);
+  fill(settings, "Engine and recording", <Settings control={control} />);
 }

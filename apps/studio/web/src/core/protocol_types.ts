@@ -387,6 +387,8 @@ export interface SceneJoint {
   child: number;
   parent_pose: Pose;
   child_pose: Pose;
+  /** lowest and highest coordinate of each axis [rad] or [m]; null: none */
+  limits?: (number | null)[][];
   name: string;
   /** id; -1: not from this file */
   element: number;
@@ -414,7 +416,7 @@ export interface SceneSensor {
   pose: Pose;
   /** asked to be seen: where any ranging sensor is, rays of the others are not drawn */
   show?: boolean;
-  /** origin, direction, range of each, in the sensor's frame */
+  /** origin, direction, range of each, in the sensor's frame; of a camera the corners of its picture, range 0 */
   rays: number[][];
   name: string;
   /** id; -1: not from this file */

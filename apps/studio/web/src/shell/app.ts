@@ -20,6 +20,7 @@ import { ask } from "./dialog";
 import { Docking } from "./docking";
 import { edit } from "./editing";
 import { bindKeys, listen } from "./keys";
+import { phone, presets } from "./layouts";
 import { makeMenus } from "./menus";
 import { Notices } from "./notices";
 import { panelNamed, panels } from "./panels";
@@ -27,6 +28,9 @@ import type { Shell } from "./shell";
 import { pageTitle, showStatusLine } from "./status_line";
 import { UnsavedBar } from "./unsaved";
 import { Windows } from "./windows";
+
+/** As narrow as a phone held upright: the picture comes first (the same width is in shell.css). */
+export const isNarrow = (): boolean => matchMedia("(max-width: 700px)").matches;
 
 export class App implements Shell {
   readonly state = new State();
@@ -80,13 +84,17 @@ export class App implements Shell {
     const header = document.createElement("header");
     const menus = document.createElement("div");
     menus.className = "cg-head";
+    const settings = document.createElement("div");
+    const drive = document.createElement("div");
+    drive.className = "cg-drive";
     const bar = document.createElement("div");
-    header.append(menus, bar, new Timeline(control).node);
+    drive.append(bar, new Timeline(control).node);
+    header.append(menus, drive);
     shell.append(header, unsaved.node, waitingBar(control));
     notifyFaults(this);
     Widget.attach(makeMenus(this.commands), menus);
-    menus.append(this.layoutChoice(), this.themeButton());
-    showBar(control, bar);
+    menus.append(settings, this.layoutChoice(), this.themeButton());
+    showBar(control, bar, settings);
     const main = document.createElement("main");
     main.className = "cg-main";
     shell.append(main);
@@ -98,7 +106,8 @@ export class App implements Shell {
     this.tabMenu();
     effect(() => {
       const hello = this.state.hello.value;
-      if (hello) this.docking.arrangeFor(hello.file, hello.kind === "scene" ? "Edit" : "Run");
+      if (hello)
+        this.docking.arrangeFor(hello.file, isNarrow() ? phone : presets[hello.kind === "scene" ? "Edit" : "Run"]!);
     });
   }
 
@@ -235,7 +244,7 @@ export class App implements Shell {
     group.className = "cg-layouts";
     group.setAttribute("role", "group");
     group.setAttribute("aria-label", "Layout");
-    for (const name of ["Run", "Edit", "Analyse", "Compare"]) {
+    for (const name of Object.keys(presets)) {
       const button = document.createElement("button");
       button.textContent = name;
       button.title = `Layout: ${name}`;

@@ -107,11 +107,11 @@ export class Docking {
   }
 
   /** Arranges the panels as they were when the file was last open. */
-  arrangeFor(file: string, otherwise: string): void {
+  arrangeFor(file: string, otherwise: Area): void {
     if (this.file === file) return;
     this.file = file;
     const area = readArea(recall(this.key()), (p) => panelNamed(p) !== undefined);
-    this.arrange(area ?? presets[otherwise]!);
+    this.arrange(area ?? otherwise);
   }
 
   /** Panels that are not in `area` are closed. */

@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { panelsIn, presets, readArea, sameOrder, without } from "./layouts";
+import { panelsIn, phone, presets, readArea, sameOrder, without } from "./layouts";
 
 const known = (p: string) =>
   ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "console"].includes(p);
 
 test("every preset is read back as it was written and names no panel twice", () => {
-  for (const [name, area] of Object.entries(presets)) {
+  for (const [name, area] of Object.entries({ ...presets, phone })) {
     assert.deepEqual(readArea(JSON.stringify(area), known), area, name);
     const panels = panelsIn(area);
     assert.equal(new Set(panels).size, panels.length, name);

@@ -15,15 +15,14 @@ const split = (orientation: "horizontal" | "vertical", sizes: number[], children
 const row = (sizes: number[], ...children: Area[]): Area => split("horizontal", sizes, children);
 const column = (sizes: number[], ...children: Area[]): Area => split("vertical", sizes, children);
 
-const kPictures = row([2.2, 1], tabs("view3d"), tabs("map", "cameras"));
+/** The picture has at least half of a window of 1440 x 900 in Run and Edit. */
+const workbench = (...below: Area[]): Area =>
+  row([1, 4.9], column([3, 2.6], tabs("tree"), tabs("properties")), column([2.85, 1], tabs("view3d"), ...below));
 
 export const presets: Record<string, Area> = {
-  Run: row(
-    [1, 4.2],
-    column([3, 2], tabs("tree"), tabs("properties")),
-    column([3.6, 1], kPictures, tabs("console", "figures")),
-  ),
-  Edit: row(
+  Run: workbench(row([1, 1, 1.2], tabs("cameras"), tabs("map"), tabs("console", "figures"))),
+  Edit: workbench(tabs("code", "console", "map")),
+  Code: row(
     [1, 2.4, 1.6],
     column([3, 2.6], tabs("tree"), tabs("properties")),
     column([3, 1], tabs("view3d", "map"), tabs("console")),
@@ -32,6 +31,13 @@ export const presets: Record<string, Area> = {
   Analyse: row([1, 1.1], column([1.3, 1], tabs("view3d", "map", "cameras"), tabs("tree", "console")), tabs("figures")),
   Compare: row([1.2, 1], tabs("view3d", "map"), column([2, 1], tabs("compare"), tabs("console", "tree"))),
 };
+
+/** On a phone: the picture, and below it what else there is. */
+export const phone: Area = column(
+  [3, 1],
+  tabs("view3d", "map", "cameras"),
+  tabs("figures", "tree", "properties", "code", "console"),
+);
 
 /** Reads an arrangement from text that may have been written by an older page, or by another program: null when it is none. Panels that
  *  are not known, or that come twice, are left out, and so are areas without any. */

@@ -32,6 +32,8 @@ export const kMenus: [title: string, kind: string, first: (string | null)[]][] =
       "view:bottom",
       "view:iso",
       null,
+      "view:orthographic",
+      null,
       "view:focus",
       "view:follow",
       null,

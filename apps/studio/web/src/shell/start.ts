@@ -6,7 +6,7 @@ import { showStartPage } from "./start_page";
 import "./shell.css";
 
 /** Lays out the page; all it shows comes over `link`. */
-export function start(link: Link): void {
+export function start(link: Link): App {
   const app = new App(link, new URLSearchParams(location.search).get("panel") ?? "");
   const chosen = recall("theme");
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -25,4 +25,5 @@ export function start(link: Link): void {
   addEventListener("pagehide", ({ persisted }) => {
     if (!persisted) app.services.dispose();
   });
+  return app;
 }

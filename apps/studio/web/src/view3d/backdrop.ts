@@ -10,13 +10,7 @@ import {
   SphereGeometry,
   Vector3,
 } from "three";
-import type { PerspectiveCamera } from "three";
-
-// The light sky is that of the pictures of the command line.
-const kSkies = {
-  light: { zenith: [0.36, 0.56, 0.8], horizon: [0.86, 0.91, 0.96], nadir: [0.62, 0.63, 0.64] },
-  dark: { zenith: [0.07, 0.1, 0.15], horizon: [0.2, 0.24, 0.29], nadir: [0.11, 0.12, 0.14] },
-} as const;
+import { kSkies } from "./look";
 
 const kSkyVertex = `
 varying vec3 v_ray;
@@ -61,8 +55,8 @@ float lines(float size) {
   return near * (1.0 - smoothstep(0.15, 0.5, max(width.x, width.y)));
 }
 void main() {
-  float fade = 1.0 - smoothstep(0.3, 1.0, length(v_position - middle) / radius);
-  float a = max(0.25 * lines(cell), 0.6 * lines(10.0 * cell)) * fade;
+  float fade = 1.0 - smoothstep(0.08, 0.7, length(v_position - middle) / radius);
+  float a = max(0.16 * lines(cell), 0.42 * lines(10.0 * cell)) * fade;
   if (a < 0.004) discard;
   gl_FragColor = vec4(color, a);
   #include <colorspace_fragment>
@@ -133,8 +127,7 @@ export class Backdrop {
   }
 
   /** Puts the grid around the camera's target. */
-  follow(camera: PerspectiveCamera, target: Vector3): void {
-    const distance = camera.position.distanceTo(target);
+  follow(distance: number, target: Vector3): void {
     const { cell, middle, radius } = this.grid.material.uniforms;
     cell!.value = gridCell(distance);
     radius!.value = 12 * distance;

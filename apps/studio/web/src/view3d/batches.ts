@@ -18,6 +18,7 @@ import {
   type Texture,
 } from "three";
 import type { Scene, SceneShape, Vec3 } from "../core/protocol";
+import { kCasters } from "./contact";
 import { compose, inverse, isFinite, poseAt, scaledMatrix, transform, writeMatrix } from "./pose";
 import { edgeLines, edgeMaterial, fading, kDarkFloor, kFloorOrder, outlined } from "./surfaces";
 import { box, cylinder, edgesOf, rectangle, round, textured, trianglesOf, type Triangles } from "./triangles";
@@ -240,6 +241,7 @@ export class Batches {
     // instances are scattered: culling them is not worth its cost
     mesh.frustumCulled = false;
     mesh.castShadow = !this.options.ghost && !alone && first.type !== "plane";
+    if (mesh.castShadow) mesh.layers.enable(kCasters);
     mesh.receiveShadow = !this.options.ghost;
     if (this.options.ghost) mesh.renderOrder = 1;
     else if (first.type === "plane") mesh.renderOrder = kFloorOrder;

@@ -1,6 +1,6 @@
 // Boxes that enclose the visible bodies.
 import type { Pose, Scene, SceneShape, Vec3 } from "../core/protocol";
-import { compose, isFinite, poseAt, transform } from "./pose";
+import { compose, isFinite, poseAt, rotate, transform } from "./pose";
 
 /** Corners, world [m]. */
 export interface Bounds {
@@ -104,4 +104,17 @@ export function visibleBounds(scene: Scene, poses: ArrayLike<number>, bodies?: I
     }
   }
   return all;
+}
+
+/** Height of the scene's horizontal floor [m]: of several the lowest; null: there is none. */
+export function floorOf(scene: Scene): number | null {
+  const heights = scene.bodies.flatMap((body) =>
+    body.removed || body.kind !== "fixed"
+      ? []
+      : body.shapes.flatMap((shape) => {
+          const pose = compose(body.pose, shape.pose);
+          return shape.visual && shape.type === "plane" && rotate(pose, [0, 0, 1])[2] > 0.999 ? [pose[2]] : [];
+        }),
+  );
+  return heights.length > 0 ? Math.min(...heights) : null;
 }

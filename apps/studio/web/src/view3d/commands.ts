@@ -9,6 +9,7 @@ import {
   handlesSnap,
   marked,
   openViews,
+  orthographic,
   kOverlayLabels,
   kOverlays,
   overlays,
@@ -74,6 +75,16 @@ export function registerCommands(studio: Studio): void {
     },
   });
 
+  commands.addCommand("view:orthographic", {
+    label: "Orthographic",
+    caption: "Without perspective: what is parallel stays parallel",
+    isToggleable: true,
+    isToggled: () => orthographic.value,
+    execute: () => {
+      orthographic.value = !orthographic.peek();
+    },
+  });
+
   for (const name of kOverlays) {
     commands.addCommand(`overlay:${name}`, {
       label: `Show ${kOverlayLabels[name]}`,
@@ -124,10 +135,10 @@ export function registerCommands(studio: Studio): void {
     void state.followed.value;
     void state.selection.value;
     void state.mayEdit.value;
-    for (const depends of [handleMode, handlesLocal, handlesSnap, marked, ...Object.values(overlays)])
+    for (const depends of [handleMode, handlesLocal, handlesSnap, orthographic, marked, ...Object.values(overlays)])
       void depends.value;
     for (const id of commands.listCommands()) {
-      if (/^(view:follow|overlay:|handles:)/.test(id)) commands.notifyCommandChanged(id);
+      if (/^(view:follow|view:orthographic|overlay:|handles:)/.test(id)) commands.notifyCommandChanged(id);
     }
   });
   effect(() => {

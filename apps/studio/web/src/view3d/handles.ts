@@ -11,6 +11,26 @@ import { handleMode, handlesLocal, handlesSnap, kSnapAngle, kSnapLength } from "
 /** How long a change that the server took is shown before its scene comes [ms]. */
 const kPatience = 3000;
 
+const signed = (value: number, digits: number): string => {
+  const text = Math.abs(value).toFixed(digits);
+  return `${value < 0 && Number(text) > 0 ? "\u2212" : "+"}${text}`;
+};
+
+/** How far from a pose to another, as one reads it: along the world's axes, or the angle. */
+export function dragText(from: Pose, to: Pose): string {
+  const by = compose(to, inverse(from));
+  const angle = 2 * Math.atan2(Math.hypot(by[4], by[5], by[6]), Math.abs(by[3]));
+  if (angle > 1e-6) {
+    const axis = [by[4], by[5], by[6]].reduce((a, b) => (Math.abs(b) > Math.abs(a) ? b : a)) * Math.sign(by[3] || 1);
+    return `${signed((Math.sign(axis) * angle * 180) / Math.PI, 1)}\u00b0`;
+  }
+  return (["x", "y", "z"] as const)
+    .map((name, i) => [name, to[i]! - from[i]!] as const)
+    .filter(([, moved]) => Math.abs(moved) > 5e-5)
+    .map(([name, moved]) => `${name} ${signed(100 * moved, 1)} cm`)
+    .join("  ");
+}
+
 export class Handles {
   /** Poses that are shown instead of the frame's: of dragged bodies. */
   readonly held = new Map<number, Pose>();
@@ -33,6 +53,8 @@ export class Handles {
       /** whether the orbit must keep still */
       dragging: (on: boolean) => void;
       note: (text: string) => void;
+      /** how far the thing was dragged; "": nothing is dragged */
+      measure: (text: string) => void;
     },
   ) {
     this.controls = new TransformControls(camera, element);
@@ -121,6 +143,7 @@ export class Handles {
     if (!this.controls.dragging || !this.start) return;
     const by = compose(this.here(), inverse(this.start));
     for (const [body, pose] of this.starts) this.held.set(body, compose(by, pose));
+    this.hooks.measure(dragText(this.start, this.here()));
     this.hooks.changed();
   }
 
@@ -136,6 +159,7 @@ export class Handles {
   };
 
   private async release(): Promise<void> {
+    this.hooks.measure("");
     this.element.ownerDocument.removeEventListener("keydown", this.onKey, true);
     const { what, start } = this;
     this.start = null;

@@ -13,23 +13,26 @@ import {
 } from "three";
 import type { Scene, Vec3 } from "../core/protocol";
 import { middleOf, radiusOf, type Bounds } from "./bounds";
+import {
+  kAmbientToward,
+  kFill,
+  kFillShare,
+  kGroundLight,
+  kKey,
+  kLampRange,
+  kLightShare,
+  kSkyLight,
+  kSpotEdge,
+} from "./look";
 import { transform } from "./pose";
 
-/** A white wall that faces one light of intensity 1 comes out white; what no light reaches has a rest by direction. */
-const kLightShare = 0.8;
-const kAmbientMiddle = 0.19;
-const kAmbientToward: Vec3 = [0.01, -0.05, 0.09];
-/** At this distance a lamp is half as bright as close by [m]; beyond, it falls off with the square. */
-const kLampRange = 6;
-/** Share of a spot's cone that has full brightness. */
-const kSpotEdge = 0.85;
-/** Without lights in the scene: directions and brightness of a key light from the upper left, a weak one from the right. */
-const kKey: Vec3 = [-0.7, 0.3, -1];
-const kFill: Vec3 = [0.05, -0.9, -0.5];
-const kFillShare = 0.16;
 const kMostLights = 16;
 /** Each takes one of the 16 textures that a fragment may look at. */
 const kMostShadows = 6;
+/** Of the edges of shadows [texel]. */
+const kSoftness = 2.5;
+/** A floor gets shadows of what hangs over it up to so many times the size of everything. */
+const kMostFall = 20;
 
 // Lamps fade as 1 / (1 + r^2 / range^2): finite close by. The library's own law is infinite there. `decay` carries
 // 1 / range^2.
@@ -49,9 +52,8 @@ export class Lights {
   constructor(scene: Scene, slow: boolean) {
     // The library divides what matt matter throws back by pi.
     const sky = new HemisphereLight(0xffffff, 0xffffff, Math.PI);
-    const more = Math.hypot(...kAmbientToward);
-    sky.color.setScalar(kAmbientMiddle + more);
-    sky.groundColor.setScalar(kAmbientMiddle - more);
+    sky.color.setRGB(...kSkyLight);
+    sky.groundColor.setRGB(...kGroundLight);
     sky.position.set(...kAmbientToward);
     this.root.add(sky);
 
@@ -67,6 +69,7 @@ export class Lights {
         light.castShadow = true;
         const size = light instanceof DirectionalLight && !slow ? 2048 : 1024;
         light.shadow.mapSize.set(size, size);
+        light.shadow.radius = kSoftness;
       }
       this.root.add(light);
       this.shining.push({ light, direction });
@@ -101,7 +104,7 @@ export class Lights {
   }
 
   /** Lets the shadow maps span everything that casts. Returns at once unless that changed enough to matter. */
-  fit(bounds: Bounds): void {
+  fit(bounds: Bounds, floor: number | null): void {
     const middle = middleOf(bounds);
     const radius = Math.max(radiusOf(bounds), 0.05);
     if (this.fitted) {
@@ -122,9 +125,12 @@ export class Lights {
         camera.left = camera.bottom = -span;
         camera.right = camera.top = span;
         camera.near = span;
-        camera.far = 3 * span;
-        // A texel seen edge-on is what a surface may be off by; one and a half of it is safe.
-        light.shadow.normalBias = (1.5 * 2 * span) / light.shadow.mapSize.x;
+        // as far as where a shadow meets the floor
+        const [x, y, z] = direction;
+        const fall = floor === null || z > -1e-3 ? 0 : (middle[2] + span - floor + span * Math.hypot(x, y)) / -z;
+        camera.far = 2 * span + Math.max(span, Math.min(fall, kMostFall * span));
+        // A texel seen edge-on is what a surface may be off by, and a soft edge looks some of them farther.
+        light.shadow.normalBias = ((1.5 + kSoftness) * 2 * span) / light.shadow.mapSize.x;
         camera.updateProjectionMatrix();
       } else if (light instanceof PointLight || light instanceof SpotLight) {
         const camera = light.shadow.camera;

@@ -24,6 +24,7 @@ export class Lines {
     const material = new LineMaterial({ linewidth: width, vertexColors: true, worldUnits: false });
     material.depthTest = !onTop;
     material.depthWrite = false;
+    material.toneMapped = false;
     material.transparent = true;
     material.opacity = opacity;
     material.polygonOffset = true;
@@ -90,6 +91,7 @@ export class Dots {
   constructor(size: number, onTop: boolean) {
     const material = new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: !onTop });
     material.depthWrite = false;
+    material.toneMapped = false;
     material.transparent = true;
     this.mesh = new Points(new BufferGeometry(), material);
     this.mesh.frustumCulled = false;

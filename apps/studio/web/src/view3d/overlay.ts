@@ -2,9 +2,11 @@
 import { BoxGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, Quaternion } from "three";
 import type { Frame } from "../core/frame";
 import type { Pose, Scene, Vec3 } from "../core/protocol";
+import { jointAxes } from "./joint_axes";
 import { Dots, linearColor, Lines, type Rgb } from "./lines";
 import { compose, kIdentity, isFinite, poseAt, rotate, transform } from "./pose";
 import { rayEnds } from "./rays";
+import { drawSelected } from "./selected";
 import { overlays } from "./settings";
 import { springLine } from "./springs";
 import { dashes, type Trails } from "./trails";
@@ -17,32 +19,6 @@ const kForce = linearColor([0.9, 0.2, 0.1]);
 const kSpring = linearColor([0.35, 0.4, 0.45]);
 const kJoint = linearColor([0.85, 0.2, 0.85]);
 const kCentre = linearColor([0.95, 0.85, 0.1]);
-
-/** Unit directions of the axes of a joint, world. Of a universal joint: x of the parent's frame, y of the child's.
- * Of a gimbal: x of the parent's frame, z of the child's, and the one at right angles to both. */
-function jointAxes(type: string, parent: Pose, child: Pose): Vec3[] {
-  switch (type) {
-    case "hinge":
-    case "slider":
-    case "screw":
-    case "cylindrical":
-    case "planar":
-      return [rotate(parent, [0, 0, 1])];
-    case "universal":
-      return [rotate(parent, [1, 0, 0]), rotate(child, [0, 1, 0])];
-    case "gimbal": {
-      const x = rotate(parent, [1, 0, 0]);
-      const z = rotate(child, [0, 0, 1]);
-      const y: Vec3 = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]];
-      const size = Math.hypot(...y);
-      return size > 1e-9 ? [x, y.map((v) => v / size) as unknown as Vec3, z] : [x, z];
-    }
-    case "ball":
-      return [rotate(parent, [1, 0, 0]), rotate(parent, [0, 1, 0]), rotate(parent, [0, 0, 1])];
-    default:
-      return [];
-  }
-}
 
 export class Overlay {
   readonly root = new Group();
@@ -89,7 +65,7 @@ export class Overlay {
   }
 
   /** `size`: of the scene [m]; lengths of arrows go by it. */
-  update(scene: Scene, frame: Frame, poses: Float32Array, size: number, trails: Trails): void {
+  update(scene: Scene, frame: Frame, poses: Float32Array, size: number, trails: Trails, selected: number[]): void {
     const { lines, fans, topLines, dots } = this;
     lines.begin();
     fans.begin();
@@ -185,6 +161,7 @@ export class Overlay {
         for (let i = 0; i + 5 < drawn.length; i += 6) topLines.add(drawn, drawn, color, i, i + 3);
       }
     }
+    drawSelected({ lines: topLines, dots }, scene, poses, selected, size);
     this.regions.visible = overlays.regions.value;
     for (const mesh of this.regions.children) {
       const region = scene.regions[mesh.userData.region as number]!;

@@ -1,10 +1,10 @@
 // What makes a picture: the graphics card, or without one the server.
-import { PCFShadowMap, SRGBColorSpace, WebGLRenderer, type Scene } from "three";
+import { CustomToneMapping, PCFShadowMap, SRGBColorSpace, WebGLRenderer, type Scene } from "three";
 import { messageOf } from "../core/link";
 import type { Studio } from "../core/studio";
 import type { Eye } from "./camera";
+import type { ContactShadows } from "./contact";
 import type { Highlight } from "./highlight";
-import { horizontalFov } from "./views";
 
 export interface Painter {
   /** The node for the panel. */
@@ -12,7 +12,7 @@ export interface Painter {
   /** No graphics card behind it: fewer corners, smaller shadow maps. */
   readonly slow: boolean;
   setSize(width: number, height: number): void;
-  draw(stage: Scene, eye: Eye, highlight: Highlight, shadows: boolean): void;
+  draw(stage: Scene, eye: Eye, highlight: Highlight, contact: ContactShadows, shadows: boolean): void;
   dispose(): void;
 }
 
@@ -36,6 +36,7 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
     return null;
   }
   renderer.outputColorSpace = SRGBColorSpace;
+  renderer.toneMapping = CustomToneMapping;
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
   renderer.shadowMap.autoUpdate = false;
@@ -56,8 +57,9 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
       renderer.setPixelRatio(slow ? 1 : (canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1));
       renderer.setSize(width, height, false);
     },
-    draw(stage, eye, highlight, shadows) {
+    draw(stage, eye, highlight, contact, shadows) {
       if (renderer.getContext().isContextLost()) return;
+      if (shadows) contact.draw(renderer, stage, slow);
       renderer.shadowMap.needsUpdate = shadows;
       renderer.render(stage, eye.camera);
       highlight.draw(renderer, eye.camera);
@@ -93,8 +95,7 @@ export function serverPainter(studio: Studio, document: Document, failed: (text:
     waiting = true;
     again = null;
     try {
-      const fov = horizontalFov(width / height);
-      await studio.link.request("view", { width, height, pose: eye.pose(), fov });
+      await studio.link.request("view", { width, height, pose: eye.pose(), fov: eye.fov });
       failed("");
     } catch (error) {
       failed(messageOf(error));

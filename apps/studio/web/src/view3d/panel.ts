@@ -3,14 +3,18 @@ import { effect } from "@preact/signals-core";
 import { Widget } from "@lumino/widgets";
 import type { PanelType, Studio } from "../core/studio";
 import { registerCommands } from "./commands";
-import { openViews, kOverlays } from "./settings";
-import { fillTools, menuButton, observe, openContextMenu, toolbar } from "./tools";
+import { overlayPanel } from "./overlay_panel";
+import { openViews, viewRequest } from "./settings";
+import { fillTools, observe, openContextMenu, toolbar } from "./tools";
 import type { View3d } from "./view";
+import { ViewCube } from "./view_cube";
 import "./view3d.css";
 
 class View3dWidget extends Widget {
   private readonly host: HTMLElement;
   private readonly notes: HTMLElement;
+  private readonly measure: HTMLElement;
+  private readonly cube: ViewCube;
   private readonly texts = new Map<string, string>();
   private view: View3d | null = null;
   private loading = false;
@@ -20,38 +24,6 @@ class View3dWidget extends Widget {
     super();
     this.addClass("cg-view");
     const { ownerDocument: document } = this.node;
-    const row = toolbar(document, "Views, handles and overlays");
-    this.stops.push(
-      fillTools(studio, row, [
-        [
-          { command: "view:front", text: "Front" },
-          { command: "view:back", text: "Back" },
-          { command: "view:left", text: "Left" },
-          { command: "view:right", text: "Right" },
-          { command: "view:top", text: "Top" },
-          { command: "view:bottom", text: "Bottom" },
-          { command: "view:iso", text: "Iso" },
-        ],
-        [
-          { command: "view:fit", text: "Fit" },
-          { command: "view:focus", text: "Focus" },
-          { command: "view:follow", text: "Follow" },
-        ],
-        [
-          { command: "handles:move", text: "Move" },
-          { command: "handles:rotate", text: "Rotate" },
-          { command: "handles:local", text: "Local" },
-          { command: "handles:snap", text: "Snap" },
-        ],
-      ]),
-    );
-    menuButton(
-      studio,
-      row,
-      "Show",
-      "Overlays of the scene",
-      kOverlays.map((name) => `overlay:${name}`),
-    );
     this.host = document.createElement("div");
     this.host.className = "cg-view-host";
     this.host.tabIndex = 0;
@@ -61,10 +33,48 @@ class View3dWidget extends Widget {
     this.notes.className = "cg-view-note";
     this.notes.setAttribute("role", "status");
     this.notes.hidden = true;
+    this.measure = document.createElement("output");
+    this.measure.className = "cg-view-measure";
+    this.measure.hidden = true;
     const stage = document.createElement("div");
     stage.className = "cg-view-stage";
-    stage.append(this.host, this.notes);
-    this.node.append(row, stage);
+    this.cube = new ViewCube(document, (what) => (viewRequest.value = { what }));
+    stage.append(this.host, ...this.tools(document), this.measure, this.notes);
+    this.node.append(stage);
+  }
+
+  /** Over the picture: handles on the left, views on the right. */
+  private tools(document: Document): HTMLElement[] {
+    const handles = toolbar(document, "Handles");
+    handles.className = "cg-over cg-over-left";
+    const views = toolbar(document, "Views and overlays");
+    views.className = "cg-over cg-over-right";
+    const side = document.createElement("div");
+    side.className = "cg-over-side";
+    side.append(this.cube.element, views);
+    this.stops.push(
+      fillTools(this.studio, handles, [
+        [
+          { command: "handles:move", text: "Move", icon: "move" },
+          { command: "handles:rotate", text: "Rotate", icon: "rotate" },
+        ],
+        [
+          { command: "handles:local", text: "Local", icon: "local" },
+          { command: "handles:snap", text: "Snap", icon: "snap" },
+        ],
+      ]),
+      fillTools(this.studio, views, [
+        [
+          { command: "view:iso", text: "Iso", icon: "home" },
+          { command: "view:fit", text: "Fit", icon: "fit" },
+          { command: "view:focus", text: "Focus", icon: "focus" },
+          { command: "view:follow", text: "Follow", icon: "follow" },
+          { command: "view:orthographic", text: "Orthographic", icon: "flat" },
+        ],
+      ]),
+      overlayPanel(this.studio, views, side),
+    );
+    return [handles, side];
   }
 
   private note(matter: string, text: string): void {
@@ -87,6 +97,11 @@ class View3dWidget extends Widget {
     this.view = new View3d(this.studio, {
       host: this.host,
       note: (matter, text) => this.note(matter, text),
+      measure: (text) => {
+        this.measure.textContent = text;
+        this.measure.hidden = text === "";
+      },
+      turned: (camera) => this.cube.update(camera),
       contextMenu: (event) =>
         openContextMenu(this.studio, event.clientX, event.clientY, ["view:focus", "view:follow", "view:fit"]),
     });

@@ -1,5 +1,6 @@
 // Settings of overlays and handles; stored by the browser.
 import { signal, type Signal } from "@preact/signals-core";
+import type { Vec3 } from "../core/protocol";
 import type { ViewName } from "./views";
 
 export const kOverlays = [
@@ -67,6 +68,10 @@ export const overlays = Object.fromEntries(
   kOverlays.map((name) => [name, remembered<boolean>(`overlay.${name}`, kShownAtFirst.has(name))]),
 ) as Record<OverlayName, Signal<boolean>>;
 
+export const overlaysOpen = remembered<boolean>("overlays.open", false);
+/** Without perspective: what is parallel stays parallel. */
+export const orthographic = remembered<boolean>("orthographic", false);
+
 export const mapLayers = Object.fromEntries(
   kMapLayers.map((name) => [name, remembered<boolean>(`map.${name}`, true)]),
 ) as Record<MapLayer, Signal<boolean>>;
@@ -83,7 +88,9 @@ export const kSnapAngle = Math.PI / 12;
 /** Index of a body that was clicked though no element of the file made it: shown, but not in the selection. */
 export const marked = signal(-1);
 
+/** A standard view, everything, the selection, or from a direction (unit, from the middle to the eye). */
+export type ViewWish = ViewName | "fit" | "focus" | Vec3;
 /** The newest request to show something; every panel that shows the scene follows as far as it can. */
-export const viewRequest = signal<{ what: ViewName | "fit" | "focus" } | null>(null);
+export const viewRequest = signal<{ what: ViewWish } | null>(null);
 /** How many 3D views there are. */
 export const openViews = signal(0);

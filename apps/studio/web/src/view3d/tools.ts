@@ -1,11 +1,14 @@
 // A row of buttons made from commands.
 import { Menu } from "@lumino/widgets";
 import type { Studio } from "../core/studio";
+import { iconOf, type IconName } from "./icons";
 
 interface Tool {
   command: string;
   /** short, on the button; the command's own label and caption are its name and tip */
   text: string;
+  /** instead of the text */
+  icon?: IconName;
 }
 
 /** For voice control the accessible name holds the button's text, without its symbols. */
@@ -52,17 +55,20 @@ export function fillTools(studio: Studio, row: HTMLElement, groups: Tool[][]): (
     const box = document.createElement("div");
     box.className = "cg-view-tools";
     box.setAttribute("role", "group");
-    for (const { command, text } of group) {
+    for (const { command, text, icon } of group) {
       const button = document.createElement("button");
       button.type = "button";
-      button.textContent = text;
+      if (icon) {
+        button.className = "cg-over-tool";
+        button.append(iconOf(document, icon));
+      } else button.textContent = text;
       button.dataset.command = command;
       button.addEventListener("click", () => void commands.execute(command));
       refresh.push(() => {
         if (!commands.hasCommand(command)) return;
         const keys = commands.keyBindings.find((k) => k.command === command)?.keys.join(" ");
         const label = commands.label(command);
-        button.setAttribute("aria-label", nameOf(text, label));
+        button.setAttribute("aria-label", icon ? label : nameOf(text, label));
         button.title = [label, commands.caption(command), keys && `Key: ${keys}`].filter(Boolean).join("\n");
         button.disabled = !commands.isEnabled(command);
         if (commands.isToggleable(command)) button.setAttribute("aria-pressed", String(commands.isToggled(command)));

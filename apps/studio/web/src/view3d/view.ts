@@ -1,13 +1,14 @@
 // The 3D view itself: loaded when the panel is first shown.
 import { effect, untracked } from "@preact/signals-core";
-import { Color, Raycaster, Scene as ThreeScene, Vector2, Vector3 } from "three";
+import { Color, type Quaternion, Raycaster, Scene as ThreeScene, Vector2, Vector3 } from "three";
 import type { Frame } from "../core/frame";
 import type { Scene } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
 import { Batches } from "./batches";
-import { cornersOf, joined, kNothing, radiusOf, visibleBounds, type Bounds } from "./bounds";
+import { cornersOf, floorOf, joined, kNothing, radiusOf, visibleBounds, type Bounds } from "./bounds";
 import { Eye } from "./camera";
+import { ContactShadows } from "./contact";
 import { Framing } from "./framing";
 import { Handles } from "./handles";
 import { Highlight } from "./highlight";
@@ -17,16 +18,30 @@ import { Overlay } from "./overlay";
 import { glPainter, serverPainter, type Painter } from "./painters";
 import { isFinite, poseAt } from "./pose";
 import { bodiesOf, clickBody, elementOf, whyNot } from "./selecting";
-import { dragging, handleMode, handlesLocal, handlesSnap, marked, overlays, viewRequest } from "./settings";
+import { massText } from "./selected";
+import {
+  dragging,
+  handleMode,
+  handlesLocal,
+  handlesSnap,
+  marked,
+  orthographic,
+  overlays,
+  viewRequest,
+  type ViewWish,
+} from "./settings";
 import { RunTrails } from "./trails";
 import { fadeFloors } from "./surfaces";
-import type { ViewName } from "./views";
 
 /** The options that the panel gives the view. */
 interface Stand {
   host: HTMLElement;
   /** One note for each topic; "": none. */
-  note: (matter: "pictures" | "server" | "clicked" | "handles", text: string) => void;
+  note: (matter: "pictures" | "server" | "clicked" | "mass" | "handles", text: string) => void;
+  /** How far something is dragged; "": nothing is. */
+  measure: (text: string) => void;
+  /** The camera looks from elsewhere. */
+  turned: (camera: Quaternion) => void;
   contextMenu: (event: MouseEvent, body: number) => void;
 }
 
@@ -38,6 +53,7 @@ export class View3d {
   private readonly backdrop = new Backdrop();
   private readonly highlight = new Highlight();
   private readonly overlay = new Overlay();
+  private readonly contact = new ContactShadows();
   private readonly labels: Labels;
   private readonly eye: Eye;
   private readonly framing = new Framing();
@@ -92,6 +108,7 @@ export class View3d {
         dragging.value = on;
       },
       note: (text) => stand.note("handles", text),
+      measure: (text) => stand.measure(text),
     });
     this.stage.add(this.backdrop.root, this.overlay.root);
     host.append(this.labels.element);
@@ -149,6 +166,8 @@ export class View3d {
       void state.hovered.value;
       if (state.selection.value.length > 0) marked.value = -1;
       this.stand.note("clicked", whyNot(state, marked.value));
+      const bodies = state.scene.value ? bodiesOf(state, state.selection.value) : [];
+      this.stand.note("mass", state.scene.value ? massText(state.scene.value, bodies) : "");
       this.remark = true;
       this.drawSoon();
     });
@@ -176,6 +195,10 @@ export class View3d {
         void depends.value;
       }
       untracked(() => this.handles.update(this.scene, this.poses));
+      this.drawSoon();
+    });
+    on(() => {
+      this.eye.setFlat(orthographic.value);
       this.drawSoon();
     });
     let seen = viewRequest.peek();
@@ -221,6 +244,8 @@ export class View3d {
     this.lights = new Lights(scene, this.painter.slow);
     this.stage.add(this.batches.root, this.lights.root);
     this.overlay.adopt(scene);
+    this.eye.floor = floorOf(scene);
+    this.contact.adopt(scene);
     this.labels.adopt(scene);
     this.bounds = null;
     this.remark = true;
@@ -264,7 +289,8 @@ export class View3d {
       this.bounds = visibleBounds(scene, poses);
       if (first) this.framing.adopt(this.bounds);
       this.framing.follow(scene, poses, frame?.time ?? null);
-      this.lights?.fit(this.bounds ?? kNothing);
+      this.lights?.fit(this.bounds ?? kNothing, this.eye.floor);
+      this.contact.fit(this.bounds ?? kNothing);
     }
     const followed = this.studio.state.followed.peek();
     if (followed) {
@@ -307,6 +333,7 @@ export class View3d {
     if (!this.visible) return;
     untracked(() => {
       if (this.rethemed) this.setTheme();
+      const changed = this.moved || this.remark;
       if (this.moved) this.moveBodies();
       if (this.remark) this.mark();
       this.goAlong();
@@ -322,16 +349,25 @@ export class View3d {
           tail: {},
         };
         const size = this.bounds ? 2 * radiusOf(this.bounds) : 2;
-        if (this.moved)
-          this.overlay.update(this.scene, frame ?? empty, this.poses, size, this.studio.services.get(RunTrails));
+        if (changed)
+          this.overlay.update(
+            this.scene,
+            frame ?? empty,
+            this.poses,
+            size,
+            this.studio.services.get(RunTrails),
+            this.studio.state.selection.peek(),
+          );
       }
       this.eye.adjust(this.bounds);
-      const { far } = this.eye.camera;
-      fadeFloors(far);
+      const { reach, distance } = this.eye;
+      const whole = this.eye.camera.position.distanceTo(this.eye.controls.target);
+      fadeFloors(whole - distance, reach, distance / whole);
       const { x, y, z } = this.eye.controls.target;
-      this.batches?.spreadFloors(this.poses, [x, y, z], far);
-      this.backdrop.follow(this.eye.camera, this.eye.controls.target);
-      this.painter.draw(this.stage, this.eye, this.highlight, this.relight);
+      this.batches?.spreadFloors(this.poses, [x, y, z], reach);
+      this.backdrop.follow(distance, this.eye.controls.target);
+      this.painter.draw(this.stage, this.eye, this.highlight, this.contact, this.relight);
+      this.stand.turned(this.eye.camera.quaternion);
       this.labels.update(overlays.names.peek(), this.poses, this.eye.camera, this.width, this.height);
       this.moved = this.remark = this.relight = false;
       this.frames++;
@@ -339,6 +375,7 @@ export class View3d {
       dataset.frames = String(this.frames);
       dataset.time = String(this.soundFrame()?.time ?? 0);
       dataset.moving = this.movingInPicture();
+      dataset.height = this.eye.camera.position.z.toFixed(4);
     });
   }
 
@@ -365,7 +402,7 @@ export class View3d {
     else this.drawSoon();
   }
 
-  private obey(what: ViewName | "fit" | "focus"): void {
+  private obey(what: ViewWish): void {
     if (this.moved) this.moveBodies();
     if (what === "focus") return this.focus();
     this.eye.taken = false;
@@ -495,6 +532,7 @@ export class View3d {
     this.lights?.dispose();
     this.overlay.dispose();
     this.highlight.dispose();
+    this.contact.dispose();
     this.backdrop.dispose();
     this.painter.dispose();
   }

@@ -5,8 +5,9 @@ import { cornersOf, middleOf, type Bounds } from "./bounds";
 export const kViews = ["front", "back", "left", "right", "top", "bottom", "iso"] as const;
 export type ViewName = (typeof kViews)[number];
 
-/** Horizontal field of view [rad]. */
-const kFieldOfView = 0.8;
+/** Horizontal field of view [rad], and the one of an eye so far off that lines which are parallel look so. */
+export const kFieldOfView = 0.8;
+export const kFlatField = 0.02;
 const kMargin = 1.05;
 /** Straight down or up leaves open where the picture's top is; this little aside settles it. */
 const kAside = 1e-4;
@@ -37,13 +38,13 @@ export function directionOf(view: ViewName): Vec3 {
 }
 
 /** Vertical field of view [rad] of a picture that is `aspect` times as wide as high. */
-export function verticalFov(aspect: number): number {
+export function verticalFov(aspect: number, field = kFieldOfView): number {
   // of a narrow picture the greater angle is the vertical one, or little would be seen
-  return aspect >= 1 ? 2 * Math.atan(Math.tan(kFieldOfView / 2) / aspect) : kFieldOfView;
+  return aspect >= 1 ? 2 * Math.atan(Math.tan(field / 2) / aspect) : field;
 }
 
-export function horizontalFov(aspect: number): number {
-  return 2 * Math.atan(Math.tan(verticalFov(aspect) / 2) * aspect);
+export function horizontalFov(aspect: number, field = kFieldOfView): number {
+  return 2 * Math.atan(Math.tan(verticalFov(aspect, field) / 2) * aspect);
 }
 
 const cross = (a: Vec3, b: Vec3): Vec3 => [
@@ -61,9 +62,9 @@ export function axesOf(direction: Vec3): [Vec3, Vec3, Vec3] {
 }
 
 /** How far from the middle of `bounds` an eye in `direction` shows all of it with a margin of 5 % [m]. */
-export function distanceFor(bounds: Bounds, direction: Vec3, aspect: number): number {
+export function distanceFor(bounds: Bounds, direction: Vec3, aspect: number, field = kFieldOfView): number {
   const [forward, left, up] = axesOf(direction);
-  const tanY = Math.tan(verticalFov(aspect) / 2) / kMargin;
+  const tanY = Math.tan(verticalFov(aspect, field) / 2) / kMargin;
   const tanX = tanY * aspect;
   const middle = middleOf(bounds);
   let back = 1e-3;
