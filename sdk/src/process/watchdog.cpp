@@ -74,8 +74,8 @@ void report_end(std::optional<CallChannel>& memory, const ProcessEnd& end) {
 }
 
 /// Runs the worker; does not return.
-[[noreturn]] void be_worker(std::optional<CallChannel>& memory, pid_t watchdog_id,
-                            pid_t simulation, int (*serve)(CallChannel&), char** command) {
+[[noreturn]] void be_worker(std::optional<CallChannel>& memory, pid_t watchdog_id, pid_t simulation,
+                            int (*serve)(CallChannel&), char** command) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // Where Yama lets only ancestors trace, a debugger that the simulation has started may, too.
   ::prctl(PR_SET_PTRACER, static_cast<unsigned long>(simulation));

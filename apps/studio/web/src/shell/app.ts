@@ -235,12 +235,13 @@ export class App implements Shell {
     group.className = "cg-layouts";
     group.setAttribute("role", "group");
     group.setAttribute("aria-label", "Layout");
-    for (const name of ["Run", "Edit", "Analyse", "Compare"]) {
+    for (const name of ["Run", "Edit", "Debug", "Analyse", "Compare"]) {
       const button = document.createElement("button");
       button.textContent = name;
       button.title = `Layout: ${name}`;
       button.setAttribute("aria-label", `Layout ${name}`);
       button.addEventListener("click", () => void this.commands.execute(`layout:${name.toLowerCase()}`));
+      if (name === "Debug") effect(() => void (button.hidden = !this.state.hello.value?.allow_build));
       group.append(button);
     }
     return group;

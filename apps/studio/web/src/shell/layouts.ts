@@ -30,6 +30,7 @@ export const presets: Record<string, Area> = {
     tabs("code"),
   ),
   Analyse: row([1, 1.1], column([1.3, 1], tabs("view3d", "map", "cameras"), tabs("tree", "console")), tabs("figures")),
+  Debug: row([1.1, 1.5, 1], column([3, 1], tabs("view3d", "map"), tabs("console")), tabs("code"), tabs("debug")),
   Compare: row([1.2, 1], tabs("view3d", "map"), column([2, 1], tabs("compare"), tabs("console", "tree"))),
 };
 
