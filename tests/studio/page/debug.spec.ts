@@ -13,7 +13,7 @@ const kScene = `<scene name="patrol" version="1">
   <physics backend="bullet" step="1 ms"/>
   <plane name="floor"/>
   <assembly name="bot" xyz="0 0 0.4">
-    <box name="base" static="true" size="40 20 10 cm" color="0.2 0.4 0.7"/>
+    <box name="base" static="true" size="40 20 10 cm" color="#3366b3"/>
     <cylinder name="wheel" radius="20 cm" length="6 cm" mass="1 kg" xyz="0 16 cm 0" rpy="90 0 0 deg"/>
     <hinge name="axle" parent="base" child="wheel" axis="0 0 1"/>
     <encoder name="angle" joint="axle"/>
@@ -108,11 +108,11 @@ test("breakpoint, step, variables, call stack, watch, condition, and the end of 
 
   const variables = page.getByRole("list", { name: "Variables", exact: true });
   await expect(variables).toContainText("wanted");
-  await variables.getByRole("button", { name: /^tick/ }).click();
+  await variables.getByRole("button").filter({ hasText: /^tick/ }).click();
   await expect(page.getByRole("list", { name: "Inside tick" })).toContainText("period0.02");
   await page.getByLabel("Expression to watch").fill("last_");
   await page.getByRole("button", { name: "Watch", exact: true }).click();
-  await page.getByTestId("debug-watches").getByRole("button", { name: /^last_/ }).click();
+  await page.getByTestId("debug-watches").getByRole("button").filter({ hasText: /^last_/ }).click();
   await expect(page.getByRole("list", { name: "Inside last_" })).toContainText("[1]");
   await expect(page.getByTestId("debug-readings")).toContainText("bot.angle");
   const stack = page.getByTestId("debug-stack");
@@ -129,7 +129,20 @@ test("breakpoint, step, variables, call stack, watch, condition, and the end of 
   expect(found).toEqual([]);
 
   // The value under the pointer; keys; a function and back; a frame of the call stack.
-  await page.locator(".cg-debug-stands").getByText("wanted").hover();
+  const word = await page.locator(".cg-debug-stands").evaluate((line) => {
+    const walk = document.createTreeWalker(line, NodeFilter.SHOW_TEXT);
+    const range = document.createRange();
+    while (walk.nextNode()) {
+      const at = walk.currentNode.textContent!.indexOf("wanted");
+      if (at < 0) continue;
+      range.setStart(walk.currentNode, at);
+      range.setEnd(walk.currentNode, at + "wanted".length);
+    }
+    const { left, top, width, height } = range.getBoundingClientRect();
+    return [left + width / 2, top + height / 2];
+  });
+  await page.mouse.move(word[0]! - 30, word[1]!);
+  await page.mouse.move(word[0]!, word[1]!, { steps: 4 });
   await expect(page.locator(".cg-debug-hover")).toContainText("wanted = ");
   await page.keyboard.press("F10");
   await expect(state).toContainText("Stands: step at patrol.cpp:23");

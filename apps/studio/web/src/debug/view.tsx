@@ -47,7 +47,7 @@ export function DebugView({ store, studio }: Props): JSX.Element {
           <ol class="cg-debug-list" aria-label="Call stack" data-testid="debug-stack">
             {now.frames.map((frame, i) => (
               <li key={i}>
-                <button aria-current={i === store.frame.value} onClick={() => store.choose(i)}>
+                <button title={frame.function} aria-current={i === store.frame.value} onClick={() => store.choose(i)}>
                   <span>{frame.function}</span>
                   <span class="cg-muted">{frame.file ? `${frame.file}:${frame.line}` : "without source"}</span>
                 </button>
