@@ -6,7 +6,7 @@ import { mkdtempSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, keep, StudioServer, test, visit } from "./harness";
-import { ask, dismiss, layout, published, read_png, until } from "./acts";
+import { ask, dismiss, layout, read_png, until } from "./acts";
 import { small_png } from "./small_png";
 
 const kScene = `<scene name="patrol" version="1">
@@ -160,7 +160,7 @@ test("breakpoint, step, variables, call stack, watch, condition, and the end of 
   // A condition, and steps of the world: the run's single step waits as well.
   await page.getByLabel("Condition of patrol.cpp:10").fill("time > 1.5");
   await page.keyboard.press("Enter");
-  await expect.poll(async () => (await published(page, "debug")).breakpoints[0].condition).toBe("time > 1.5");
+  await until(page, "debug", (d) => d.breakpoints[0]?.condition === "time > 1.5", "the condition is set");
   await page.getByTestId("debug-continue").click();
   await until(page, "debug", (d) => d.state === "stopped" && d.time > 1.5 && d.time < 1.53, "it stands when the condition holds");
   await page.getByLabel("Condition of patrol.cpp:10").fill("");
