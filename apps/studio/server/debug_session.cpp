@@ -9,7 +9,6 @@
 namespace cogrsim::studio {
 
 namespace fs = std::filesystem;
-using std::chrono::seconds;
 
 namespace {
 
@@ -19,8 +18,8 @@ constexpr int kMostChildren = 200;
 constexpr std::size_t kMostValue = 1000;  // [byte] of a value that is shown
 constexpr int kMostReturns = 20;
 /// Large libraries have many symbols.
-constexpr auto kToAttach = seconds(120);
-constexpr auto kToStop = seconds(5);
+constexpr auto kToAttach = std::chrono::seconds(120);
+constexpr auto kToStop = std::chrono::seconds(5);
 
 std::string cut(std::string text) {
   if (text.size() > kMostValue) text = text.substr(0, kMostValue) + "…";

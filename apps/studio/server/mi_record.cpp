@@ -6,7 +6,7 @@ namespace cogrsim::studio {
 
 namespace {
 
-constexpr int kDeepest = 64;
+constexpr int kDeepestValue = 64;
 
 /// A recursive reader of one line; every function leaves `at_` behind what it has read.
 class Reader {
@@ -97,7 +97,7 @@ class Reader {
   }
 
   Result<Json> value(int depth) {
-    if (depth > kDeepest) return fail("a record of gdb is nested too deep");
+    if (depth > kDeepestValue) return fail("a record of gdb is nested too deep");
     if (at_ >= line_.size()) return wrong();
     if (line_[at_] == '"') {
       auto said = quoted();

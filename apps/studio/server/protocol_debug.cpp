@@ -8,7 +8,7 @@ namespace {
 constexpr bool kOperatorsOnly = false;
 constexpr double kMostLine = 1e7;
 
-ProtocolField frame() { return {"frame?", "integer", "index in `frames`", "0", {0, 99}}; }
+ProtocolField frame_field() { return {"frame?", "integer", "index in `frames`", "0", {0, 99}}; }
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void add_debug_requests(std::vector<ProtocolRequest>& requests) {
        {"debug-variables",
         Section::debug,
         kOperatorsOnly,
-        {frame()},
+        {frame_field()},
         variables,
         "arguments and locals, while it stands"},
        {"debug-children",
@@ -61,7 +61,7 @@ void add_debug_requests(std::vector<ProtocolRequest>& requests) {
        {"debug-evaluate",
         Section::debug,
         kOperatorsOnly,
-        {{"expression", "string"}, frame()},
+        {{"expression", "string"}, frame_field()},
         {{"variable", "DebugVariable"}},
         "an expression of C++; calls in it are made"}});
 }
