@@ -15,6 +15,7 @@
 #include "common/output_file.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "debugger.h"
 #include "document.h"
 #include "kept_tokens.h"
 #include "render/frames.h"
@@ -105,6 +106,7 @@ struct Session {
   std::shared_ptr<PluginLoader> run_loader, document_loader;
   std::unique_ptr<Run> run;
   std::unique_ptr<Document> document;
+  std::unique_ptr<Debugger> debugger;
   std::unique_ptr<Studio> studio;
 };
 
@@ -140,9 +142,15 @@ Result<std::unique_ptr<Session>> open_session(const StudioOptions& options, Serv
     if (!opened) return tl::unexpected(opened.error());
     session->document = std::move(*opened);
     for (const std::string& note : session->document->notes()) cli::print_warning(note);
+    DebuggerOptions about_debugger;
+    about_debugger.folder = folder.empty() ? "." : folder.string();
+    about_debugger.allowed = options.allow_build;
+    session->debugger =
+        std::make_unique<Debugger>(std::move(about_debugger), *session->run, server);
   }
   std::vector<Part*> parts = {session->run.get()};
   if (session->document) parts.push_back(session->document.get());
+  if (session->debugger) parts.push_back(session->debugger.get());
   info.assets = server.assets();
   session->studio = std::make_unique<Studio>(
       std::move(info), std::move(parts),
@@ -178,6 +186,7 @@ StartOptions start_options() {
 }
 
 void finish(Session& session) {
+  if (session.debugger) session.debugger->finish();  // the run may wait for it
   if (const std::string unsaved = session.document ? session.document->finish() : "";
       !unsaved.empty()) {
     cli::print_warning(unsaved);

@@ -29,6 +29,7 @@ class StudioProcess {
   unsigned short port() const { return port_; }
   /// The operator's.
   std::string token() const;
+  pid_t pid() const { return child_; }
   /// Sends SIGTERM (or SIGKILL) and waits; the exit status, or minus the signal.
   int end(bool kill = false);
 

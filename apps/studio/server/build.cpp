@@ -134,7 +134,7 @@ Result<int> Builder::run(const std::vector<std::string>& command, std::string& l
   return end->status;
 }
 
-Result<Builder::Built> Builder::build() {
+Result<Builder::Built> Builder::build(bool debug) {
   std::error_code error;
   fs::path project;
   if (fs::is_regular_file(fs::path(folder_) / "CMakeLists.txt", error)) {
@@ -159,19 +159,22 @@ Result<Builder::Built> Builder::build() {
     return fail("the folder for builds cannot be made: " + error.message(), work_folder.string());
 
   Built out;
+  // Each kind has its own tree: neither is built again for the other.
+  const std::string kind = debug ? "-debug" : "";
+  const std::string tree = (work_folder / ("tree" + kind)).string();
+  const fs::path libraries = work_folder / ("libraries" + kind);
   std::vector<std::string> configure = {
       "cmake",
       "-S",
       fs::absolute(project).string(),
       "-B",
-      (work_folder / "tree").string(),
-      "-DCMAKE_BUILD_TYPE=Release",
-      "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + (work_folder / "libraries").string()};
+      tree,
+      debug ? "-DCMAKE_BUILD_TYPE=Debug" : "-DCMAKE_BUILD_TYPE=Release",
+      "-DCOGRSIM_PLUGIN_OUTPUT_DIRECTORY=" + libraries.string()};
   if (const std::string package = own_package(); !package.empty())
     configure.push_back("-DCogRSim_DIR=" + package);
   for (const std::vector<std::string>& command :
-       {configure, std::vector<std::string>{"cmake", "--build", (work_folder / "tree").string(),
-                                            "--parallel", "2"}}) {
+       {configure, std::vector<std::string>{"cmake", "--build", tree, "--parallel", "2"}}) {
     const auto status = run(command, out.log);
     if (!status) return tl::unexpected(status.error());
     out.ok = *status == 0;
@@ -186,7 +189,7 @@ Result<Builder::Built> Builder::build() {
       work_folder /
       ("plugins-" + std::to_string(std::chrono::system_clock::now().time_since_epoch().count()));
   fs::create_directories(fresh, error);
-  for (fs::directory_iterator it(work_folder / "libraries", error), end; !error && it != end;
+  for (fs::directory_iterator it(libraries, error), end; !error && it != end;
        it.increment(error))
     if (it->path().extension() == ".so")
       fs::copy_file(it->path(), fresh / it->path().filename(), error);

@@ -24,7 +24,8 @@ class Builder {
   /// so that they are loaded beside those that run. Errors: there is no project, or several; no
   /// folder to build in; cmake cannot be started. Errors of the compiler are no error here:
   /// see `ok`.
-  Result<Built> build();
+  /// `debug`: not optimised, with debug information.
+  Result<Built> build(bool debug);
   /// Ends a build that is running, from any thread.
   void stop() noexcept { stopped_ = true; }
 

@@ -435,9 +435,10 @@ void DocumentRequests::build(const Request& request, const Reply& reply) {
   if (building_) return reply(fail("a build is running already", "", "wait for its end", "busy"));
   if (build_thread_.joinable()) build_thread_.join();
   building_ = true;
-  build_thread_ = std::thread([this, queue = queue_, client = request.client, reply] {
+  const bool debug = request.fields.at("debug").get<bool>();
+  build_thread_ = std::thread([this, queue = queue_, client = request.client, debug, reply] {
     // The scene can be edited meanwhile; what was built is taken over on the document's own thread.
-    auto built = std::make_shared<Result<Builder::Built>>(builder_.build());
+    auto built = std::make_shared<Result<Builder::Built>>(builder_.build(debug));
     const bool taken = queue->put([this, built, client, reply] {
       building_ = false;
       reply(use_built(std::move(*built), client));

@@ -332,6 +332,7 @@ Answer Engine::reload(const std::optional<std::string>& controller) {
                         {"memory_kept", done->memory_kept},
                         {"note", done->note}});
   }
+  tell_processes();
   collect_messages();
   publish(true);
   return Json{{"reloaded", std::move(reloaded)}, {"kept", std::move(kept)}};

@@ -50,6 +50,9 @@ class Engine {
   void pause(const Reply& reply);
   /// Ends the process of the controller that does not return. From any thread.
   Answer end_controller();
+  /// See Run::watch_processes() and Run::held_call().
+  void watch_processes(Run::ProcessListener changed);
+  std::optional<HeldCall> held_call(const std::string& controller) const;
   /// See Run::finish().
   std::string finish();
 
@@ -77,6 +80,7 @@ class Engine {
 
   void run();
   void watch_calls();
+  void tell_processes();
   bool run_tasks();
   void settle();
   Result<> may_run() const;
@@ -163,6 +167,9 @@ class Engine {
   std::deque<std::function<void()>> tasks_;
   std::atomic<bool> asked_{false};  ///< there are tasks, or it is to end
   bool over_ = false, ended_ = false;
+
+  std::mutex listener_mutex_;
+  Run::ProcessListener processes_changed_;
 
   // The plugin call that does not return, as another thread sees it.
   PluginWatch watch_;

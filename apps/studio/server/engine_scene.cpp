@@ -90,6 +90,7 @@ void Engine::adopt(std::unique_ptr<Simulation> simulation) {
   FrameContents contents;
   contents.contacts = true;
   simulation_->observe(contents, [this](const FramePtr& frame) { on_frame(frame); });
+  tell_processes();
 }
 
 void Engine::forget_past() {

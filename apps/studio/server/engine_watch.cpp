@@ -52,6 +52,44 @@ void Engine::watch_calls() {
   }
 }
 
+void Engine::watch_processes(Run::ProcessListener changed) {
+  {
+    const std::lock_guard lock(listener_mutex_);
+    processes_changed_ = std::move(changed);
+    if (!processes_changed_) return;
+  }
+  post([this] { tell_processes(); });
+}
+
+void Engine::tell_processes() {
+  const std::lock_guard lock(listener_mutex_);
+  if (processes_changed_ && simulation_) processes_changed_(simulation_->controller_processes());
+}
+
+std::optional<HeldCall> Engine::held_call(const std::string& controller) const {
+  std::optional<HeldCall> out;
+  watch_.during([&] {
+    if (!simulation_) return;  // its first controllers are being made
+    const SceneModel& model = *simulation_->model();
+    const auto found = std::find_if(
+        model.controllers.begin(), model.controllers.end(),
+        [&](const ControllerModel& one) { return !one.removed && one.name == controller; });
+    if (found == model.controllers.end()) return;
+    out = HeldCall{simulation_->time(), {}};
+    for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+      const SensorModel& sensor = model.sensors[i];
+      int owner = sensor.assembly;
+      while (owner >= 0 && owner != found->assembly)
+        owner = model.assemblies[static_cast<std::size_t>(owner)].parent;
+      if (sensor.removed || owner != found->assembly) continue;
+      const Reading& reading = simulation_->reading(static_cast<int>(i));
+      out->readings.push_back({sensor.name, reading.time, reading.valid,
+                               simulation_->channels(static_cast<int>(i)), reading.values});
+    }
+  });
+  return out;
+}
+
 Answer Engine::end_controller() {
   const auto call = watch_.call();
   if (!call || call->lasts < kLong) return fail("no controller is waited for");

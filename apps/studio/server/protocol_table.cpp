@@ -1,5 +1,7 @@
 #include "protocol.h"
 
+#include "protocol_debug.h"
+
 namespace cogrsim::studio {
 namespace {
 
@@ -42,10 +44,17 @@ Fields from_file(Fields fields) {
   return fields;
 }
 
+/// The table with the part of another file.
+template <class Row>
+std::vector<Row> with(void (&add)(std::vector<Row>&), std::vector<Row> rows) {
+  add(rows);
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<ProtocolRequest>& protocol_requests() {
-  static const std::vector<ProtocolRequest> requests = {
+  static const std::vector<ProtocolRequest> requests = with(add_debug_requests, {
       {"hello",
        Section::session,
        kAll,
@@ -335,11 +344,11 @@ const std::vector<ProtocolRequest>& protocol_requests() {
       {"build",
        kDocument,
        kOperators,
-       {},
+       {{"debug?", "boolean", "with debug information, not optimised", "false"}},
        {{"built", "boolean", "false: the compiler complained"},
         {"log", "string"},
         {"problems", "Problem[]"}},
-       "only with `--allow-build`: builds the project beside the scene, and takes its plugins"}};
+       "only with `--allow-build`: builds the project beside the scene, and takes its plugins"}});
   return requests;
 }
 
@@ -353,12 +362,13 @@ const std::vector<ProtocolTopic>& protocol_topics() {
       {"problems", "Problems", "after every compilation"},
       {"messages", "Messages", "when there are new ones"},
       {"events", "Events", "when there are new ones"},
+      {"debug", "Debug", "on joining, on change; only with `--allow-build`"},
       {"goodbye", "Goodbye", "the server ends"}};
   return topics;
 }
 
 const std::vector<ProtocolType>& protocol_types() {
-  static const std::vector<ProtocolType> types = {
+  static const std::vector<ProtocolType> types = with(add_debug_types, {
       {"Vec3", "x y z", {}, "[number, number, number]"},
       {"Pose",
        "x y z [m], then the quaternion w x y z",
@@ -742,7 +752,7 @@ const std::vector<ProtocolType>& protocol_types() {
        {},
        "OpSet | OpInsert | OpRemove | OpMove | OpRename | OpDuplicate | OpPlace | OpAssemble | "
        "OpGroup | "
-       "OpDisassemble"}};
+       "OpDisassemble"}});
   return types;
 }
 

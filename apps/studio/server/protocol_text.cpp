@@ -126,6 +126,7 @@ std::string table_named(const std::string& name) {
   if (name == "run") return requests_table(Section::run);
   if (name == "numbers") return requests_table(Section::numbers);
   if (name == "document") return requests_table(Section::document);
+  if (name == "debug") return requests_table(Section::debug);
   if (name == "operations") return operations_table();
   if (name == "topics") return topics_table();
   if (name == "types") return types_table();

@@ -11,6 +11,7 @@
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/model/scene_model.h"
 #include "cogrsim/plugin/loader.h"
+#include "cogrsim/simulation/simulation.h"
 #include "talk.h"
 
 namespace cogrsim::studio {
@@ -51,6 +52,19 @@ struct RunOptions {
   std::vector<std::string> without;          ///< see SimulationOptions
 };
 
+/// What a controller reads that stands in the debugger.
+struct HeldReading {
+  std::string sensor;
+  double time = 0.0;  ///< of the measurement [s]
+  bool valid = false;
+  std::vector<Channel> channels;
+  std::vector<double> values;
+};
+struct HeldCall {
+  double time = 0.0;  ///< of the run [s]
+  std::vector<HeldReading> readings;
+};
+
 /// The part that answers everything in PROTOCOL.md under "The run" and "Numbers and pictures".
 class Run : public Part {
  public:
@@ -75,6 +89,15 @@ class Run : public Part {
   /// Ends the simulations. Not empty: a plugin that did not return for 3 s, so that this object cannot
   /// be destroyed.
   virtual std::string finish() { return {}; }
+
+  /// Called from the run's thread with the controllers whenever they may have got other processes,
+  /// before they are updated; at once, if there is a run already. nullptr: not any more, when this
+  /// returns. From any thread, but not from within `changed`.
+  using ProcessListener = std::function<void(const std::vector<ControllerProcess>&)>;
+  virtual void watch_processes(ProcessListener) {}
+  /// While a controller is called: the time, and the readings of the sensors of its assembly. From
+  /// any thread.
+  virtual std::optional<HeldCall> held_call(const std::string& /*controller*/) { return {}; }
 
   /// The file behind /asset/NUMBER, see Inbox.
   virtual std::string asset(std::size_t number) const = 0;

@@ -48,6 +48,13 @@ class LiveRun final : public Run {
 
   std::string finish() override { return engine_.finish(); }
 
+  void watch_processes(ProcessListener changed) override {
+    engine_.watch_processes(std::move(changed));
+  }
+  std::optional<HeldCall> held_call(const std::string& controller) override {
+    return engine_.held_call(controller);
+  }
+
   std::string asset(std::size_t number) const override { return scenes_.asset(number); }
 
  private:

@@ -24,11 +24,12 @@ class SourceFolder {
   Answer save(const std::string& name, const std::string& text,
               const std::optional<std::string>& version) const;
 
- private:
   struct File {
     std::string name, path;
   };
   std::vector<File> files() const;
+
+ private:
   Result<std::string> path_of(const std::string& name) const;
 
   std::string folder_;

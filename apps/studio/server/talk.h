@@ -53,7 +53,7 @@ class Inbox {
 };
 
 /// A group of requests, which one part answers.
-enum class Section { session, start, run, numbers, document };
+enum class Section { session, start, run, numbers, document, debug };
 
 /// One request of a page.
 struct Request {

@@ -1,6 +1,7 @@
 // A controller that runs in this process or in a process of its own.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,8 @@ class HostedController {
   virtual std::optional<HostFailure> update(const Tick& tick) = 0;
   virtual std::optional<HostFailure> save(std::optional<std::string>& memory) = 0;
   virtual std::optional<HostFailure> restore(const std::string& memory) = 0;
+  /// Id of the process of its own that it runs in; 0: there is none.
+  virtual std::int64_t process() const { return 0; }
 };
 
 struct SceneForControllers;

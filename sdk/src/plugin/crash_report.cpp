@@ -201,6 +201,13 @@ std::optional<PluginWatch::Call> PluginWatch::call() const {
               call_->patience_};
 }
 
+bool PluginWatch::during(const std::function<void()>& look) const {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr) return false;
+  look();
+  return true;
+}
+
 bool PluginWatch::give_up() {
   const std::lock_guard lock(mutex_);
   if (call_ == nullptr || std::isnan(call_->patience_)) return false;

@@ -48,15 +48,23 @@ class CallChannel {
   Result<> ask(const std::vector<char>& request);
   /// Waits for the reply to the last request. It regularly calls `gone()`, which returns whether
   /// the watchdog has ended without a report, and `given_up()`, which returns whether the user has
-  /// cancelled the call; the result is then Answer::late.
-  template <class Gone, class GivenUp>
-  Answer await(std::vector<char>& reply, Clock::time_point deadline, Gone&& gone,
-               GivenUp&& given_up) {
+  /// cancelled the call; the result is then Answer::late. So it is after `patience`, which begins
+  /// again while `held()`: a debugger has stopped the process.
+  template <class Gone, class GivenUp, class Held>
+  Answer await(std::vector<char>& reply, std::optional<Clock::duration> patience, Gone&& gone,
+               GivenUp&& given_up, Held&& held) {
+    const auto from_now = [&] {
+      return patience ? Clock::now() + *patience : Clock::time_point::max();
+    };
+    Clock::time_point deadline = from_now();
     while (true) {
       const auto until = std::min(deadline, Clock::now() + std::chrono::milliseconds(100));
       if (const auto answer = look(reply, until)) return *answer;
       if (gone()) return look(reply, Clock::now()).value_or(Answer::ended);
-      if (Clock::now() >= deadline || given_up())
+      const bool over = Clock::now() >= deadline;
+      if (over && !given_up() && held())
+        deadline = from_now();
+      else if (over || given_up())
         return look(reply, Clock::now()).value_or(Answer::late);
     }
   }

@@ -1,10 +1,28 @@
 #include "process/child_process.h"
 
 #include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
 
 #include "cogrsim/plugin/crash_report.h"
 
 namespace cogrsim {
+
+namespace {
+
+/// Whether a debugger is attached to a process.
+bool is_traced(std::int64_t process) {
+  if (process <= 0) return false;
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("TracerPid:", 0) == 0) return std::atoll(line.c_str() + 10) > 0;
+  }
+  return false;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::string> command) {
   std::unique_ptr<ChildProcess> child(new ChildProcess);
@@ -24,16 +42,16 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::strin
 
 Result<CallChannel::Answer> ChildProcess::call(const std::vector<char>& request,
                                                std::vector<char>& reply,
-                                               std::chrono::duration<double> patience) {
+                                               std::chrono::duration<double> patience,
+                                               std::int64_t worker) {
   if (!alive()) return CallChannel::Answer::ended;
   if (auto asked = channel_.ask(request); !asked) return tl::unexpected(asked.error());
-  auto deadline = CallChannel::Clock::time_point::max();
-  if (patience < std::chrono::hours(24 * 365)) {
-    deadline = CallChannel::Clock::now() +
-               std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
-  }
+  std::optional<CallChannel::Clock::duration> limit;
+  if (patience < std::chrono::hours(24 * 365))
+    limit = std::chrono::duration_cast<CallChannel::Clock::duration>(patience);
   const auto answer = channel_.await(
-      reply, deadline, [this] { return process_->gone(); }, [] { return PluginCall::given_up(); });
+      reply, limit, [this] { return process_->gone(); }, [] { return PluginCall::given_up(); },
+      [worker] { return is_traced(worker); });
   if (answer != CallChannel::Answer::ended || process_->receive_end() || process_->gone())
     return answer;
   return CallChannel::Answer::broken;  // only the (damaged) shared memory reports the end

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -19,9 +20,10 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Sends one request and waits for its reply, at most `patience`.
+  /// Sends one request and waits for its reply, at most `patience`. While a debugger is attached to
+  /// `worker`, the id of the process that runs the controller, there is no limit; 0: not known yet.
   Result<CallChannel::Answer> call(const std::vector<char>& request, std::vector<char>& reply,
-                                   std::chrono::duration<double> patience);
+                                   std::chrono::duration<double> patience, std::int64_t worker);
   /// How the process ended; valid after Answer::ended.
   const ProcessEnd& end() const { return process_->end(); }
   /// Kills the process and all processes that it has started, and waits until they have ended.

@@ -74,9 +74,11 @@ void report_end(std::optional<CallChannel>& memory, const ProcessEnd& end) {
 }
 
 /// Runs the worker; does not return.
-[[noreturn]] void be_worker(std::optional<CallChannel>& memory, pid_t watchdog_id,
+[[noreturn]] void be_worker(std::optional<CallChannel>& memory, pid_t watchdog_id, pid_t simulation,
                             int (*serve)(CallChannel&), char** command) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Where Yama lets only ancestors trace, a debugger that the simulation has started may, too.
+  ::prctl(PR_SET_PTRACER, static_cast<unsigned long>(simulation));
   if (::getppid() != watchdog_id) ::_exit(1);  // the watchdog has already ended
   ::setpgid(0, 0);  // kill(0, …) in a controller must not kill the watchdog
   ::close(kLink);
@@ -134,7 +136,7 @@ int run(int (*serve)(CallChannel&), char** command) {
   const bool is_socket = S_ISSOCK(channel.st_mode);
   if (!is_socket && !memory.emplace().open(kChannel)) return 2;
 
-  const pid_t own = ::getpid();
+  const pid_t own = ::getpid(), simulation = ::getppid();
   const pid_t worker = ::fork();  // safe: this process has only one thread
   if (worker < 0) {
     report_end(memory, {true, 2 << 8, 0});
@@ -142,7 +144,7 @@ int run(int (*serve)(CallChannel&), char** command) {
   }
   if (worker == 0) {
     ::close(signals);
-    be_worker(memory, own, serve, command);
+    be_worker(memory, own, simulation, serve, command);
   }
   if (is_socket) ::close(kChannel);  // its end is the end of the worker
 

@@ -174,6 +174,14 @@ Result<Reloaded> Simulation::reload_controller(const std::string& name) {
   return done;
 }
 
+const Reading& Simulation::reading(int sensor) const {
+  return impl_->devices.sensors().reading(static_cast<std::size_t>(sensor));
+}
+
+std::vector<ControllerProcess> Simulation::controller_processes() const {
+  return impl_->controllers.processes();
+}
+
 RunStatus Simulation::step() { return impl_->step(); }
 
 RunStatus Simulation::run_until(double end_time) {

@@ -265,7 +265,7 @@ export const row = (page: Page, name: string): Locator =>
   page.getByRole("tree", { name: "Scene tree" }).getByRole("treeitem", { name, exact: true });
 
 /** Opens a layout by its button. */
-export async function layout(page: Page, name: "Run" | "Edit" | "Code" | "Analyse" | "Compare"): Promise<void> {
+export async function layout(page: Page, name: "Run" | "Edit" | "Code" | "Debug" | "Analyse" | "Compare"): Promise<void> {
   await page.getByRole("button", { name: `Layout ${name}`, exact: true }).click();
 }
 

@@ -27,7 +27,9 @@ export class StudioServer {
     const file = this.folder === "" ? [this.file] : [];
     const child = spawn(program, ["studio", ...file, "--no-open", ...at, ...this.options], {
       stdio: ["ignore", "pipe", "pipe"],
-      ...(this.folder === "" ? {} : { cwd: this.folder, env: { ...process.env, XDG_STATE_HOME: join(this.folder, ".state") } }),
+      ...(this.folder === ""
+        ? { env: { ...process.env, XDG_CACHE_HOME: join(dirname(this.file), ".cache") } }
+        : { cwd: this.folder, env: { ...process.env, XDG_STATE_HOME: join(this.folder, ".state") } }),
     });
     this.process = child;
     child.stderr!.on("data", (text) => (this.said += text));

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -66,6 +67,9 @@ class COGRSIM_API PluginWatch {
   void watch_this_thread();
   /// The current call; of nested calls the outermost; nullopt: none. Thread-safe.
   std::optional<Call> call() const;
+  /// Calls `look` if there is a current call, which does not return before `look` has: until then
+  /// the data of the observed thread may be read. Returns false if there is no call. Thread-safe.
+  bool during(const std::function<void()>& look) const;
   /// Cancels the current call into another process: that process is killed within 0.2 s, as at the
   /// end of its patience. Returns false if there is no such call. Thread-safe.
   bool give_up();

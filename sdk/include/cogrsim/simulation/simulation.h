@@ -11,6 +11,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -62,6 +63,13 @@ struct RunMessage {
 /// include the internal state of the controllers; see Simulation::restore().
 struct SimulationSnapshot;
 using SimulationSnapshotPtr = std::shared_ptr<const SimulationSnapshot>;
+
+/// A controller of a run and the process that it runs in; see Simulation::controller_processes().
+struct ControllerProcess {
+  std::string controller;    ///< dotted name
+  std::int64_t process = 0;  ///< id of its own process; 0: it has none, or that has ended
+  std::string library;       ///< path of the library that it comes from
+};
 
 /// Result of Simulation::reload_controller().
 struct Reloaded {
@@ -151,6 +159,12 @@ class COGRSIM_API Simulation {
   /// match the new library; its outputs differ; configure() fails; it does not accept the state.
   Result<Reloaded> reload_controller(const std::string& name);
 
+  /// The controllers of the present model, for a debugger. Must be called between steps by the thread
+  /// that steps.
+  std::vector<ControllerProcess> controller_processes() const;
+
+  /// The reading that controllers now get from a sensor, by its index.
+  const Reading& reading(int sensor) const;
   /// The channels of a sensor by its index.
   const std::vector<Channel>& channels(int sensor) const;
 

@@ -95,7 +95,7 @@ class IsolatedController final : public HostedController {
     proxy_.put_state(out);
     if (auto failure = exchange(patience())) return failure;
     WireReader in(reply_);
-    const auto pid = in.take<std::int64_t>();
+    worker_ = in.take<std::int64_t>();
     std::optional<std::string> refused, thrown;
     in.get(refused);
     in.get(thrown);
@@ -103,10 +103,12 @@ class IsolatedController final : public HostedController {
     if (!proxy_.take_effects(in)) return damaged();
     if (debugging()) {
       std::fprintf(stderr, "%s runs in process %lld\n", one_line(who_).c_str(),
-                   static_cast<long long>(pid));
+                   static_cast<long long>(worker_));
     }
     return failure_of(std::move(thrown));
   }
+
+  std::int64_t process() const override { return process_->alive() ? worker_ : 0; }
 
   std::optional<HostFailure> update(const Tick& tick) override {
     WireWriter out(request_);
@@ -190,7 +192,7 @@ class IsolatedController final : public HostedController {
   }
 
   std::optional<HostFailure> attempt(double patience) {
-    const auto answer = process_->call(request_, reply_, Seconds(patience));
+    const auto answer = process_->call(request_, reply_, Seconds(patience), worker_);
     if (!answer) {
       process_->kill();
       return HostFailure{HostFailure::Kind::process, "could not be reached",
@@ -236,6 +238,7 @@ class IsolatedController final : public HostedController {
   double deadline_ = 0.0, memory_ = 0.0;  // [s], [byte]
   std::string lost_;                      // how its process ended
   std::unique_ptr<ChildProcess> process_;
+  std::int64_t worker_ = 0;  // id of the process that runs it, once it is configured
   std::vector<char> request_, reply_;
 };
 

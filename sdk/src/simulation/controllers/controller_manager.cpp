@@ -70,6 +70,17 @@ void ControllerManager::drop_removed() {
   }
 }
 
+std::vector<ControllerProcess> ControllerManager::processes() const {
+  std::vector<ControllerProcess> out;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const ControllerModel& description = host_.model()->controllers[i];
+    if (description.removed || !slots_[i].plugin) continue;
+    const std::int64_t process = slots_[i].controller ? slots_[i].controller->process() : 0;
+    out.push_back({description.name, process, slots_[i].plugin->path()});
+  }
+  return out;
+}
+
 bool ControllerManager::update() {
   const SceneModel& model = *host_.model();
   for (std::size_t i = 0; i < slots_.size(); ++i) {

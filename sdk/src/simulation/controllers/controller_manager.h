@@ -60,6 +60,9 @@ class ControllerManager {
   /// See Simulation::reload_controller().
   Result<Reloaded> reload(const std::string& name, RunStatus status);
 
+  /// See Simulation::controller_processes().
+  std::vector<ControllerProcess> processes() const;
+
   /// The published outputs, as in Frame::controller_outputs.
   void copy_outputs(std::vector<std::vector<double>>& out) const;
 

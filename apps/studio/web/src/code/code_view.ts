@@ -1,8 +1,11 @@
 // The contents of the code panel: tabs for the scene and the sources beside it, their editors, problems and the build.
+import type { Extension } from "@codemirror/state";
 import { effect } from "@preact/signals-core";
 import { messageOf } from "../core/link";
 import type { Problem, SourceFile } from "../core/protocol";
 import type { Studio } from "../core/studio";
+import { debugging } from "../debug/gutter";
+import { DebugStore } from "../debug/store";
 import { SchemaLoader } from "../forms/schema";
 import { TreeState } from "../tree/tree_state";
 import { putCursor, markProblems } from "./editor";
@@ -35,6 +38,7 @@ export class CodeView {
   private readonly tabList = element("div", "cg-code-tab-list");
   private readonly saveButton = element("button", "", "Save");
   private readonly buildButton = element("button", "", "Build");
+  private readonly debugButton = element("button", "", "Debug");
   private readonly banner = element("div", "cg-code-banner");
   private readonly editors = element("div", "cg-code-editors");
   private readonly list = element("ul", "cg-code-problems");
@@ -45,7 +49,7 @@ export class CodeView {
     private readonly studio: Studio,
     node: HTMLElement,
   ) {
-    this.tabs.append(this.tabList, this.saveButton, this.buildButton);
+    this.tabs.append(this.tabList, this.saveButton, this.buildButton, this.debugButton);
     this.tabList.setAttribute("role", "tablist");
     this.tabList.setAttribute("aria-label", "Files");
     this.banner.setAttribute("role", "status");
@@ -56,9 +60,11 @@ export class CodeView {
     this.log.hidden = true;
     this.editors.id = `${this.id}-editors`;
     this.editors.setAttribute("role", "tabpanel");
-    this.saveButton.type = this.buildButton.type = "button";
+    this.saveButton.type = this.buildButton.type = this.debugButton.type = "button";
     this.saveButton.addEventListener("click", () => void this.save());
     this.buildButton.addEventListener("click", () => void this.build());
+    this.debugButton.title = "Builds the controllers for debugging, loads them, and attaches gdb";
+    this.debugButton.addEventListener("click", () => void studio.commands.execute("code:debug"));
     // below the text, which must not move during typing
     node.append(this.tabs, this.editors, this.banner, this.list, this.log);
 
@@ -95,19 +101,21 @@ export class CodeView {
     this.editor()?.focus();
   }
 
-  async goTo(file: string, line: number, column: number): Promise<void> {
+  /** `quiet`: the focus stays where it is. */
+  async goTo(file: string, line: number, column: number, quiet = false): Promise<void> {
     const source = this.files.find((f) => sameFile(f.name, file));
     const name = source?.name ?? kScene;
     await this.show(name);
     const editor = this.editor();
-    if (editor && this.shown === name) putCursor(editor, line, column);
+    if (editor && this.shown === name) putCursor(editor, line, column, quiet);
   }
 
-  /** Saves every changed source, then builds. */
-  async build(): Promise<void> {
+  /** Saves every changed source, then builds, for debugging or for speed. Answers whether that was good. */
+  async build(debug = false): Promise<boolean> {
+    let good = false;
     if (!this.studio.state.hello.peek()?.allow_build) {
       this.studio.notify("building is not allowed: start the studio with --allow-build", "error");
-      return;
+      return good;
     }
     for (const [name, source] of this.sources) if (source.dirty) await this.saveSource(name);
     this.buildButton.disabled = true;
@@ -115,10 +123,11 @@ export class CodeView {
     this.log.hidden = false;
     this.log.textContent = "";
     try {
-      const answer = await this.studio.link.request("build");
+      const answer = await this.studio.link.request("build", { debug });
       this.log.textContent = answer.log ?? "";
       this.buildProblems = answer.problems ?? [];
       const failed = answer.built === false || this.buildProblems.some((p) => p.severity === "error");
+      good = !failed;
       this.studio.notify(
         failed ? "the build failed: see the log below the code" : "built and reloaded",
         failed ? "error" : "note",
@@ -136,6 +145,7 @@ export class CodeView {
     }
     for (const { view, file } of this.sources.values()) markProblems(view, this.buildProblems, file.name);
     this.showProblems();
+    return good;
   }
 
   async save(): Promise<void> {
@@ -167,7 +177,13 @@ export class CodeView {
       if (!file) return;
       try {
         const answer = await this.studio.link.request("open-source", { name });
-        const source = new SourceEditor(file, answer, this.studio.state.mayEdit.peek(), () => this.showTabs());
+        const source = new SourceEditor(
+          file,
+          answer,
+          this.studio.state.mayEdit.peek(),
+          () => this.showTabs(),
+          this.debugged(name),
+        );
         source.view.dom.classList.add("cg-code-editor");
         source.view.dom.dataset.ownHistory = "";
         this.sources.set(name, source);
@@ -186,12 +202,17 @@ export class CodeView {
     this.editor()?.requestMeasure();
   }
 
+  private debugged(name: string): Extension {
+    const store = this.studio.services.get(DebugStore);
+    return store.mayDebug.peek() ? debugging(store, name) : [];
+  }
+
   private follow(): void {
     const { state } = this.studio;
     const on = (what: () => void) => this.stops.push(effect(what));
     on(() => {
       const hello = state.hello.value;
-      this.buildButton.hidden = !(hello?.allow_build && state.mayEdit.value);
+      this.buildButton.hidden = this.debugButton.hidden = !(hello?.allow_build && state.mayEdit.value);
       this.saveButton.hidden = !state.mayEdit.value;
       if (hello?.kind === "scene") void this.listSources();
     });

@@ -47,11 +47,11 @@ export function markProblems(view: EditorView, problems: readonly Problem[], fil
   view.dispatch(setDiagnostics(view.state, diagnostics));
 }
 
-/** Puts the cursor there; line and column (code points) from 1. */
-export function putCursor(view: EditorView, line: number, column: number): void {
+/** Puts the cursor there, and the focus unless `quiet`; line and column (code points) from 1. */
+export function putCursor(view: EditorView, line: number, column: number, quiet = false): void {
   const { doc } = view.state;
   const at = doc.line(Math.max(1, Math.min(line, doc.lines)));
   const anchor = at.from + utf16Offset(at.text, column - 1);
   view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
-  view.focus();
+  if (!quiet) view.focus();
 }

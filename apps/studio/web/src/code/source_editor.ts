@@ -2,7 +2,7 @@
 import { history, historyKeymap } from "@codemirror/commands";
 import { cpp } from "@codemirror/lang-cpp";
 import { indentUnit } from "@codemirror/language";
-import { EditorState } from "@codemirror/state";
+import { EditorState, type Extension } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import type { SourceFile } from "../core/protocol";
 import { editorBasics, editorKeys } from "./editor";
@@ -15,12 +15,13 @@ export class SourceEditor {
   /** of the file as it was opened or saved last: changes of other programs are not overwritten */
   version: string | undefined;
 
-  /** `changed`: called with whether the text differs from the saved one. */
+  /** `changed`: called with whether the text differs from the saved one; `more`: the debugger's. */
   constructor(
     readonly file: SourceFile,
     opened: { text: string; version?: string },
     mayEdit: boolean,
     private readonly changed: (dirty: boolean) => void,
+    more: Extension = [],
   ) {
     const { text } = opened;
     this.version = opened.version;
@@ -29,6 +30,7 @@ export class SourceEditor {
       state: EditorState.create({
         doc: text,
         extensions: [
+          more,
           editorBasics,
           history(),
           indentUnit.of("  "),

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { RunEvent, Scene, Waiting } from "../core/protocol";
-import { faultText, waitingHelp, waitingText } from "./waiting";
+import type { Debug, RunEvent, Scene, Waiting } from "../core/protocol";
+import { faultText, isDebugged, waitingHelp, waitingText } from "./waiting";
 
 const waiting: Waiting = {
   kind: "controller",
@@ -32,6 +32,14 @@ test("the remedy depends on where it runs", () => {
     /has not returned, in update\. It runs in the studio's own process and cannot be stopped without ending the studio/,
   );
   assert.doesNotMatch(here, /End controller/);
+});
+
+test("a controller that stands in the debugger is not waited for in vain", () => {
+  const debug = { state: "stopped", controller: "bot.driver" } as Debug;
+  assert.ok(isDebugged(waiting, debug));
+  assert.ok(!isDebugged(waiting, { ...debug, state: "running" }));
+  assert.ok(!isDebugged(waiting, { ...debug, controller: "bot.other" }));
+  assert.ok(!isDebugged(waiting, null));
 });
 
 test("a fault names its owner, time, reason and remedy", () => {

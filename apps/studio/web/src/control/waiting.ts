@@ -1,12 +1,17 @@
 // Plugin calls that the run waits for, and faults of plugins.
 import { effect } from "@preact/signals-core";
-import type { RunEvent, Scene, Waiting } from "../core/protocol";
+import type { Debug, RunEvent, Scene, Waiting } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import type { Control } from "./commands";
 
 /** "controller 'bot.driver' of robot 'bot'" */
 function who(kind: string, name: string, robot: string): string {
   return `${kind}${name ? ` '${name}'` : ""}${robot ? ` of robot '${robot}'` : ""}`;
+}
+
+/** Whether the run waits because the controller stands in the debugger: that has a panel of its own, and no deadline. */
+export function isDebugged(waiting: Waiting, debug: Debug | null): boolean {
+  return debug?.state === "stopped" && debug.controller === waiting.name;
 }
 
 /** Shown instead of the run's state. */
@@ -75,7 +80,8 @@ export function waitingBar(control: Control): HTMLElement {
   end.addEventListener("click", () => void control.ask("end-controller"));
   node.append(seconds, message, end);
   effect(() => {
-    const waiting = state.open.value ? state.status.value?.waiting : null;
+    const call = state.open.value ? state.status.value?.waiting : null;
+    const waiting = call && !isDebugged(call, state.debug.value) ? call : null;
     node.hidden = !waiting;
     seconds.textContent = waiting ? waitingText(waiting) : "";
     const help = waiting ? waitingHelp(waiting) : "";

@@ -4,6 +4,9 @@ import type {
   BodyDistance,
   CameraWish,
   CompletionItem,
+  Debug,
+  DebugBreakpointWish,
+  DebugVariable,
   DocumentState,
   Events,
   FigureAxis,
@@ -46,6 +49,7 @@ export interface Topics {
   problems: Problems;
   messages: Messages;
   events: Events;
+  debug: Debug;
   goodbye: Goodbye;
 }
 
@@ -487,12 +491,77 @@ export interface Requests {
   };
   /** only with `--allow-build`: builds the project beside the scene, and takes its plugins */
   build: {
-    fields: Record<string, never>;
+    fields: {
+      /** with debug information, not optimised */
+      debug?: boolean;
+    };
     answer: {
       /** false: the compiler complained */
       built: boolean;
       log: string;
       problems: Problem[];
+    };
+  };
+  /** gdb attaches to the controller's process, and to each that replaces it. `debug` says what came of it */
+  "debug-attach": {
+    fields: {
+      /** dotted name */
+      controller: string;
+    };
+    answer: Record<string, never>;
+  };
+  /** gdb ends, and the controller goes on */
+  "debug-detach": {
+    fields: Record<string, never>;
+    answer: Record<string, never>;
+  };
+  /** these instead of all before; also without a controller in the debugger */
+  "debug-breakpoints": {
+    fields: {
+      breakpoints: DebugBreakpointWish[];
+    };
+    answer: Record<string, never>;
+  };
+  /** of the controller. A step that leaves its sources ends where they are entered next. A pause between two updates takes effect with the next */
+  "debug-run": {
+    fields: {
+      how: "continue" | "over" | "into" | "out" | "pause";
+    };
+    answer: Record<string, never>;
+  };
+  /** arguments and locals, while it stands */
+  "debug-variables": {
+    fields: {
+      /** index in `frames` */
+      frame?: number;
+    };
+    answer: {
+      variables: DebugVariable[];
+      /** there are others */
+      more: boolean;
+    };
+  };
+  /** members or elements, 200 at most */
+  "debug-children": {
+    fields: {
+      /** `children` of a variable */
+      of: string;
+    };
+    answer: {
+      variables: DebugVariable[];
+      /** there are others */
+      more: boolean;
+    };
+  };
+  /** an expression of C++; calls in it are made */
+  "debug-evaluate": {
+    fields: {
+      expression: string;
+      /** index in `frames` */
+      frame?: number;
+    };
+    answer: {
+      variable: DebugVariable;
     };
   };
 }

@@ -673,3 +673,81 @@ export interface OpDisassemble {
 
 /** One operation on the text */
 export type Op = OpSet | OpInsert | OpRemove | OpMove | OpRename | OpDuplicate | OpPlace | OpAssemble | OpGroup | OpDisassemble;
+
+export interface DebugBreakpointWish {
+  /** as in `sources` */
+  file: string;
+  line: number;
+  /** an expression of C++ */
+  condition?: string;
+}
+
+export interface DebugBreakpoint {
+  file: string;
+  /** where it is wanted */
+  line: number;
+  condition: string;
+  /** the line where it is */
+  placed: number | null;
+  /** why it is not there */
+  note: string;
+}
+
+export interface DebugFrame {
+  function: string;
+  /** as in `sources`; "": not one of them */
+  file: string;
+  /** "": no debug information */
+  path: string;
+  /** 0: not known */
+  line: number;
+}
+
+export interface DebugVariable {
+  name: string;
+  value: string;
+  type: string;
+  argument: boolean;
+  /** for `debug-children`, until it goes on; "": has none */
+  children: string;
+}
+
+export interface DebugValue {
+  name: string;
+  unit: string;
+  value: number | null;
+}
+
+export interface DebugReading {
+  sensor: string;
+  /** of the measurement [s] */
+  time: number;
+  valid: boolean;
+  /** of values */
+  count: number;
+  /** the first of them */
+  values: DebugValue[];
+}
+
+/** Of the controller in the debugger */
+export interface Debug {
+  /** waiting: for a process of the controller */
+  state: "off" | "waiting" | "attaching" | "running" | "stopped";
+  controller: string;
+  process: number | null;
+  /** why it stands: "breakpoint", "SIGSEGV: Segmentation fault" */
+  reason: string;
+  /** it ends by that signal when it goes on */
+  crashed: boolean;
+  /** what went wrong */
+  note: string;
+  /** what can be done about it */
+  help: string;
+  /** the innermost first */
+  frames: DebugFrame[];
+  breakpoints: DebugBreakpoint[];
+  /** of the run [s] */
+  time: number | null;
+  /** that the controller gets now */
+  readings: DebugReading[];
+}

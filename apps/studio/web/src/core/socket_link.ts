@@ -33,7 +33,7 @@ interface Waiting {
 const kOpen = 1;
 /** [ms] Engines may take long to load a scene, compilers longer. */
 const kPatience = 60_000;
-const kPatienceOf: Record<string, number> = { build: 3_600_000 };
+const kPatienceOf: Record<string, number> = { build: 3_600_000, "debug-attach": 300_000 };
 /** [ms] */
 const kFirstDelay = 250;
 const kLongestDelay = 5_000;

@@ -2,6 +2,7 @@
 import { computed, signal } from "@preact/signals-core";
 import type { Frame } from "./frame";
 import type {
+  Debug,
   DocumentState,
   Hello,
   Problem,
@@ -19,6 +20,7 @@ export class State {
   readonly status = signal<Status | null>(null);
   readonly scene = signal<Scene | null>(null);
   readonly document = signal<DocumentState | null>(null);
+  readonly debug = signal<Debug | null>(null);
   readonly unsaved = signal<Unsaved | null>(null);
   /** of the newest text that is well-formed */
   readonly tree = signal<{ version: number; elements: TreeElement[] }>({ version: -1, elements: [] });

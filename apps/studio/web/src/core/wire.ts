@@ -91,6 +91,7 @@ export function wire(
   });
   link.on("scene", (scene) => (state.scene.value = scene));
   link.on("document", (document) => (state.document.value = document));
+  link.on("debug", (debug) => (state.debug.value = debug));
   link.on("unsaved", (unsaved) => (state.unsaved.value = unsaved));
   link.on("tree", (tree) => {
     // Of a text that is not well-formed: the last good tree stays, with its selection.

@@ -250,6 +250,7 @@ export class App implements Shell {
       button.title = `Layout: ${name}`;
       button.setAttribute("aria-label", `Layout ${name}`);
       button.addEventListener("click", () => void this.commands.execute(`layout:${name.toLowerCase()}`));
+      if (name === "Debug") effect(() => void (button.hidden = !this.state.hello.value?.allow_build));
       group.append(button);
     }
     return group;

@@ -25,16 +25,13 @@ test("keys find their commands on keyboards of several countries", () => {
   assert.deepEqual(namesOf(key("ArrowLeft", { altKey: true })), [], "the browser's own key for going back");
 });
 
-test("in a text field only saving and the palette act, in the scene's editor the history too", () => {
+test("in a text field only saving, the palette and the debugger act, in the scene's editor the history too", () => {
+  const text = ["edit:save", "help:palette", "debug:continue", "debug:over", "debug:into", "debug:out"];
   for (const [name, command] of kKeys) {
     const k = name === "Space" ? " " : name;
-    assert.equal(mayFire(command, k, "text"), ["edit:save", "help:palette"].includes(command), command);
-    assert.equal(mayFire(command, k, "choice"), ["edit:save", "help:palette", "run:toggle"].includes(command), command);
-    assert.equal(
-      mayFire(command, k, "code"),
-      ["edit:save", "help:palette", "edit:undo", "edit:redo"].includes(command),
-      command,
-    );
+    assert.equal(mayFire(command, k, "text"), text.includes(command), command);
+    assert.equal(mayFire(command, k, "choice"), [...text, "run:toggle"].includes(command), command);
+    assert.equal(mayFire(command, k, "code"), [...text, "edit:undo", "edit:redo"].includes(command), command);
     assert.equal(mayFire(command, k, "page"), true);
   }
   for (const where of ["control", "tab", "tree"] as const)

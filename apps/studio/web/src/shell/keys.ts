@@ -32,14 +32,19 @@ export const kKeys: [key: string, command: string][] = [
   ["Accel V", "edit:paste"],
   ["Accel D", "edit:duplicate"],
   ["Accel A", "edit:select-all"],
+  ["F8", "debug:continue"],
+  ["F10", "debug:over"],
+  ["F11", "debug:into"],
+  ["Shift F11", "debug:out"],
   ["Accel K", "help:palette"],
   ["?", "help:shortcuts"],
 ];
 
 /** What also works while text is being written. */
-const kInText = new Set(["edit:save", "help:palette"]);
+const kDebug = ["debug:continue", "debug:over", "debug:into", "debug:out"];
+const kInText = new Set(["edit:save", "help:palette", ...kDebug]);
 /** Keys that the code editor, whose text is the scene's, leaves to the one history. */
-const kInCode = new Set(["edit:save", "help:palette", "edit:undo", "edit:redo"]);
+const kInCode = new Set([...kInText, "edit:undo", "edit:redo"]);
 
 type Surroundings = "page" | "text" | "code" | "switch" | "choice" | "control" | "tab" | "tree";
 

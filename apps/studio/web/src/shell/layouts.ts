@@ -28,6 +28,7 @@ export const presets: Record<string, Area> = {
     column([3, 1], tabs("view3d", "map"), tabs("console")),
     tabs("code"),
   ),
+  Debug: row([1.1, 1.5, 1], column([3, 1], tabs("view3d", "map"), tabs("console")), tabs("code"), tabs("debug")),
   Analyse: row([1, 1.1], column([1.3, 1], tabs("view3d", "map", "cameras"), tabs("tree", "console")), tabs("figures")),
   Compare: row([1.2, 1], tabs("view3d", "map"), column([2, 1], tabs("compare"), tabs("console", "tree"))),
 };

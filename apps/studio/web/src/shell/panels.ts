@@ -4,6 +4,7 @@ import * as code from "../code/panel";
 import * as compare from "../compare/panel";
 import * as consolePanel from "../console/panel";
 import type { PanelType, Studio } from "../core/studio";
+import * as debug from "../debug/panel";
 import * as figures from "../figures/panel";
 import * as forms from "../forms/panel";
 import * as map2d from "../map2d/panel";
@@ -20,6 +21,7 @@ export const panels: { panel: PanelType; register(studio: Studio): void }[] = [
   cameras,
   figures,
   compare,
+  debug,
   consolePanel,
 ];
 

@@ -1,7 +1,7 @@
 // The line at the foot of the window.
 import "@preact/signals";
 import { render } from "preact";
-import { waitingText } from "../control/waiting";
+import { isDebugged, waitingText } from "../control/waiting";
 import type { Provenance } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
@@ -65,7 +65,14 @@ export function showStatusLine(studio: Studio, node: HTMLElement): void {
     const main = state.selection.value[state.selection.value.length - 1];
     const element = main === undefined ? undefined : state.element(main);
     const body = state.scene.value?.bodies[state.hovered.value];
-    const run = status?.waiting ? waitingText(status.waiting) : status ? (kStates[status.state] ?? status.state) : "";
+    const held = status?.waiting && isDebugged(status.waiting, state.debug.value);
+    const run = held
+      ? "In the debugger"
+      : status?.waiting
+        ? waitingText(status.waiting)
+        : status
+          ? (kStates[status.state] ?? status.state)
+          : "";
     return (
       <>
         <span data-testid="run-state">
