@@ -303,6 +303,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "WHAT,...",
                                           "WxH",
                                           "ADDRESS",
+                                          "WORKING.policy.yaml",
                                           "MB",
                                           "STORE",
                                           "V",
