@@ -376,8 +376,8 @@ struct Finding {
     const auto lowest = [](const Estimate& e) {
       return e.count == 0 ? -1e9 : e.mean - e.half_width.value_or(0.0) / 2;
     };
-    // Of a whole and a part that carry the same, the part says more.
-    return std::max(lowest(carried_bad), lowest(carried_good)) - (difference->whole ? 0.05 : 0.0);
+    // A whole carries what its parts do, which say more.
+    return std::max(lowest(carried_bad), lowest(carried_good)) - (difference->whole ? 0.5 : 0.0);
   }
 };
 

@@ -119,12 +119,15 @@ int tell(const TransferOptions& options, const SweepPlan& plan, const std::strin
   auto table = read_transfer(plan);
   if (!table) return refuse(table.error());
   const auto formatted = [&](TableFormat format) {
-    auto cells = transfer_cells(plan, *table);
-    for (auto& row : cells)
-      for (std::string& cell : row) cell = table_escaped(cell, format);
+    auto cells = transfer_cells(plan, *table, format);
+    // Numbers are in the format already.
+    const std::size_t texts = plan.options.variations.size() + 1;
+    for (std::size_t r = 0; r < cells.size(); ++r)
+      for (std::size_t c = 0; c < cells[r].size(); ++c)
+        if (r == 0 || c < texts) cells[r][c] = table_escaped(cells[r][c], format);
     auto about = about_transfer(plan, left_out);
     about.insert(about.end(), table->failures.begin(), table->failures.end());
-    return table_text(about, cells, plan.options.variations.size() + 1, format);
+    return table_text(about, cells, texts, format);
   };
   const auto write = [](const std::string& path, OutputKind kind, const auto& text) -> Result<> {
     if (path.empty()) return {};

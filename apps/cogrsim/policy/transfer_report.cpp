@@ -95,7 +95,8 @@ std::vector<std::string> about_transfer(const SweepPlan& plan, const std::string
 }
 
 std::vector<std::vector<std::string>> transfer_cells(const SweepPlan& plan,
-                                                     const TransferTable& table) {
+                                                     const TransferTable& table,
+                                                     TableFormat format) {
   std::vector<std::vector<std::string>> out(1);
   for (const auto& variation : plan.options.variations) out[0].push_back(one_line(variation.param));
   for (const char* head : {"backend", "stands", "[%]"}) out[0].emplace_back(head);
@@ -107,8 +108,7 @@ std::vector<std::vector<std::string>> transfer_cells(const SweepPlan& plan,
     cells.push_back(fmt::format("{} of {}", row.stood.good, row.stood.of));
     cells.push_back(share_text(row.stood));
     for (const ShownMeasure& shown : kShown)
-      cells.push_back(
-          estimate_text(row.measures.at(shown.name), shown.unit, TableFormat::markdown));
+      cells.push_back(estimate_text(row.measures.at(shown.name), shown.unit, format));
   }
   return out;
 }

@@ -42,9 +42,10 @@ Result<TransferTable> read_transfer(const SweepPlan& plan);
 
 /// What the numbers are about, a sentence each.
 std::vector<std::string> about_transfer(const SweepPlan& plan, const std::string& left_out);
-/// Cells for a person, the first row the head, and how many of its columns are texts.
+/// Cells for a person, the first row the head; numbers as the format has them.
 std::vector<std::vector<std::string>> transfer_cells(const SweepPlan& plan,
-                                                     const TransferTable& table);
+                                                     const TransferTable& table,
+                                                     TableFormat format = TableFormat::markdown);
 Json transfer_json(const SweepPlan& plan, const TransferTable& table, const std::string& left_out);
 std::string transfer_html(const SweepPlan& plan, const TransferTable& table,
                           const std::string& left_out);
