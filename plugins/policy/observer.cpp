@@ -107,15 +107,17 @@ std::vector<float> Observer::decide(const Values& command, const Values& raw,
     for (std::size_t k = 0; k < values.size(); ++k) {
       values[k] += noise(o);
       if (o.clip) values[k] = std::clamp(values[k], o.clip->first, o.clip->second);
-      values[k] *= o.scale[k];
+      values[k] = (values[k] - o.mean[k]) * o.scale[k];
       if (card_.clip) values[k] = std::clamp(values[k], card_.clip->first, card_.clip->second);
     }
     const auto length = static_cast<std::size_t>(o.history);
     if (term.history.empty()) term.history.assign(length - 1, values);
     term.history.push_back(std::move(values));
     while (term.history.size() > length) term.history.pop_front();
-    for (const Values& row : term.history)
-      for (const double v : row) out.push_back(static_cast<float>(v));
+    const std::size_t rows = term.history.size();
+    for (std::size_t r = 0; r < rows; ++r)
+      for (const double v : term.history[o.newest_first ? rows - 1 - r : r])
+        out.push_back(static_cast<float>(v));
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,7 +34,7 @@ class Policy final : public cogrsim::Controller {
     const auto path = card_path(robot);
     if (!path) return;
     std::vector<cogrsim::Diagnostic> found;
-    card_ = cogrsim::read_policy_card(*path, found);
+    card_ = cogrsim::read_policy_card(*path, found, changes(robot));
     if (card_) load_network(robot, found);
     for (const cogrsim::Diagnostic& d : found) robot.fail(line_of(d));
     if (!card_) return;
@@ -66,7 +67,8 @@ class Policy final : public cogrsim::Controller {
       measured_.velocities[i] = robot_->joint_velocity(motors_[i]);
     }
     observer_->measure(measured_);
-    if (steps_ % decimation_ == 0) decide();
+    const bool decides = steps_ % decimation_ == 0;
+    if (decides) decide();
     ++steps_;
     // Targets that are as old as the delay hold from now on.
     for (auto& each : pending_) --each.left;
@@ -74,7 +76,7 @@ class Policy final : public cogrsim::Controller {
       target_ = std::move(pending_.front().target);
       pending_.pop_front();
     }
-    drive();
+    if (decides || !card_->actions.per_decision) drive();
   }
 
   std::optional<std::string> save() const override {
@@ -153,6 +155,20 @@ class Policy final : public cogrsim::Controller {
     robot.fail("card '" + name + "' lies outside the scene's folder " + base.string() +
                "; a card elsewhere is named by --set");
     return std::nullopt;
+  }
+
+  // Lines of KEY=VALUE.
+  static cogrsim::CardChanges changes(cogrsim::Assembly& robot) {
+    cogrsim::CardChanges out;
+    std::istringstream lines(robot.parameter<std::string>("change"));
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t equals = line.find('=');
+      if (equals == std::string::npos)
+        robot.fail("'" + line + "' is no KEY=VALUE of a card");
+      else
+        out.emplace_back(line.substr(0, equals), line.substr(equals + 1));
+    }
+    return out;
   }
 
   void load_network(cogrsim::Assembly& robot, std::vector<cogrsim::Diagnostic>& found) {
@@ -307,4 +323,6 @@ COGRSIM_CONTROLLER(policy_plugin::Policy, "policy", version("1.0.0"), author("Co
                    parameter("base", "base",
                              "name of a pose sensor at the base that the card names"),
                    parameter("command", std::vector<double>{}, "",
-                             "what is asked of the policy; by default the card's"))
+                             "what is asked of the policy; by default the card's"),
+                   parameter("change", "",
+                             "values in place of the card's, lines such as actions.delay=20 ms"))

@@ -351,6 +351,16 @@ const std::vector<Case>& cases() {
       {"import", {"import", "ROBOT"}, prints, nothing},
       {"export", {"export", "SCENE", "-o", "-", "--format", "mjcf"}, prints, nothing},
       {"policy", {"policy", "check", "CARD"}, prints, nothing},
+      {"transfer",
+       {"transfer", "CARD", "--seeds", "1..4", "-b", "cogrsim", "-d", "100000", "-o", "@study"},
+       [](const Attempt& attempt, const RunningProgram&) {
+         return fs::exists(attempt / "study/results.sqlite");
+       },
+       [](const Attempt& attempt, const Outcome& outcome) {
+         CHECK_THAT(outcome.err, Contains("0 of 4 runs done"));
+         CHECK_THAT(outcome.out, Contains("0 of 0"));
+         CHECK(attempt.text("study/results.csv").rfind("command,seed,backend,status", 0) == 0);
+       }},
       {"plugins", {"plugins"}, prints, nothing},
       {"doctor", {"doctor"}, prints, nothing},
       {"schema", {"schema"}, prints, nothing},

@@ -23,8 +23,9 @@
 #include "common/terminal.h"
 #include "import/export_command.h"
 #include "import/import_command.h"
-#include "policy/policy_command.h"
 #include "new/new_command.h"
+#include "policy/policy_command.h"
+#include "policy/transfer_command.h"
 #include "render/picture_options.h"
 #include "replay/recording_options.h"
 #include "sweep/sweep_command.h"
@@ -692,6 +693,7 @@ std::shared_ptr<CLI::App> command_table(const std::vector<AddCommands>& more, in
   add_new(app, status);
   add_import(app, status);
   add_policy(app, status);
+  add_transfer(app, status);
   add_export(app, status);
   add_small_ones(app, arguments, status);
   add_table_pages(app, arguments, status);

@@ -286,6 +286,18 @@ std::string messages_list(const CompareReport& report) {
 
 }  // namespace
 
+std::string page_start(const std::string& title) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}</style></head>\n<body><main>\n",
+      html_escaped(title), std::string(kDygraphsStyle) + kStyleSheet);
+}
+
+std::string page_end() {
+  return "</main>\n<script>" + chart_script() + "</script>\n</body></html>\n";
+}
+
 std::string compare_html(const CompareReport& report) {
   if (!report.result) return {};
   const LockstepResult& result = *report.result;
@@ -294,12 +306,8 @@ std::string compare_html(const CompareReport& report) {
   for (std::size_t i = 2; i < comparison.runs.size(); ++i) others += ", " + comparison.runs[i];
 
   const std::string name = html_escaped(report.scene);
-  std::string out = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}: {} against {}</title>\n<style>{}</style></head>\n<body><main>\n",
-      name, html_escaped(others), html_escaped(comparison.runs[0]),
-      std::string(kDygraphsStyle) + kStyleSheet);
+  std::string out =
+      page_start(fmt::format("{}: {} against {}", report.scene, others, comparison.runs[0]));
   out += fmt::format("<h1>{}</h1>\n<p class=\"soft\">{} against {}, {} in steps of {}, {}</p>\n",
                      name, html_escaped(others), html_escaped(comparison.runs[0]),
                      time_text(comparison.end_time), step_text(result.runs[0].step),
@@ -337,7 +345,7 @@ std::string compare_html(const CompareReport& report) {
       "of its "
       "{} intervals. Wall time is counted around each backend's own steps.</p>\n",
       comparison.samples, comparison.times.size());
-  return out + "</main>\n<script>" + chart_script() + "</script>\n</body></html>\n";
+  return out + page_end();
 }
 
 }  // namespace cogrsim::cli

@@ -45,6 +45,15 @@ struct Chaos {
 std::optional<Chaos> chaos_of(const CompareReport& report);
 
 enum class TableFormat { markdown, latex };
+/// `text` for a cell.
+std::string table_escaped(const std::string& text, TableFormat format);
+/// A mean in `unit`s with as many digits as its uncertainty deserves: two of that, else three.
+std::string estimate_text(const Estimate& estimate, double unit, TableFormat format);
+/// Cells, the first row the head, below comments that say what they are about. The first `texts` columns
+/// are texts, the others numbers.
+std::string table_text(const std::vector<std::string>& about,
+                       const std::vector<std::vector<std::string>>& cells, std::size_t texts,
+                       TableFormat format);
 /// The differences as a table for a paper, below a comment with the command that makes them
 /// again. `rows`: at most.
 std::string compare_table(const CompareReport& report, TableFormat format, int rows);
@@ -55,6 +64,10 @@ Json to_json(const CompareReport& report);
 
 /// One HTML file that needs nothing else: figures, tables and curves, light and dark.
 std::string compare_html(const CompareReport& report);
+
+/// A page's start, with the style sheet of reports, up to its content; and what follows that.
+std::string page_start(const std::string& title);
+std::string page_end();
 
 /// "10 mm or 1°": what counts as divergence.
 std::string thresholds_text(const CompareOptions& options);

@@ -8,10 +8,8 @@
 #include "common/provenance_text.h"
 
 namespace cogrsim::cli {
-namespace {
 
-/// Escapes a text for the format of the table.
-std::string escaped(const std::string& text, TableFormat format) {
+std::string table_escaped(const std::string& text, TableFormat format) {
   std::string out;
   for (const char c : one_line(text)) {
     if (format == TableFormat::markdown) {
@@ -46,8 +44,7 @@ std::string escaped(const std::string& text, TableFormat format) {
   return out;
 }
 
-/// A number with as many digits as its uncertainty deserves: two of that, else three.
-std::string number_text(const Estimate& estimate, double unit, TableFormat format) {
+std::string estimate_text(const Estimate& estimate, double unit, TableFormat format) {
   if (estimate.count == 0) return format == TableFormat::latex ? "--" : "–";
   const double mean = estimate.mean / unit;
   if (!estimate.half_width) return fmt::format("{:.3g}", mean);
@@ -58,6 +55,8 @@ std::string number_text(const Estimate& estimate, double unit, TableFormat forma
              ? fmt::format("${:.{}f} \\pm {:.{}f}$", mean, decimals, half, decimals)
              : fmt::format("{:.{}f} ± {:.{}f}", mean, decimals, half, decimals);
 }
+
+namespace {
 
 std::vector<std::string> about(const CompareReport& report) {
   const LockstepResult& result = *report.result;
@@ -93,7 +92,6 @@ std::vector<std::string> about(const CompareReport& report) {
 }  // namespace
 
 std::string compare_table(const CompareReport& report, TableFormat format, int rows) {
-  const bool latex = format == TableFormat::latex;
   std::vector<std::vector<std::string>> cells;
   cells.push_back(
       {"body", "run", "largest [mm]", "rms [mm]", "at end [mm]", "diverges at [s]",
@@ -102,13 +100,21 @@ std::string compare_table(const CompareReport& report, TableFormat format, int r
   const std::size_t shown = std::min(study.rows.size(), static_cast<std::size_t>(rows));
   for (std::size_t i = 0; i < shown; ++i) {
     const StudyRow& row = study.rows[i];
-    cells.push_back({escaped(row.body, format), escaped(row.run, format),
-                     number_text(row.max, 1e-3, format), number_text(row.rms, 1e-3, format),
-                     number_text(row.end, 1e-3, format), number_text(row.diverges_at, 1.0, format),
+    cells.push_back({table_escaped(row.body, format), table_escaped(row.run, format),
+                     estimate_text(row.max, 1e-3, format), estimate_text(row.rms, 1e-3, format),
+                     estimate_text(row.end, 1e-3, format),
+                     estimate_text(row.diverges_at, 1.0, format),
                      fmt::format("{} of {}", row.diverges_at.count, row.max.count)});
   }
+  return table_text(about(report), cells, 2, format);
+}
+
+std::string table_text(const std::vector<std::string>& about,
+                       const std::vector<std::vector<std::string>>& cells, std::size_t texts,
+                       TableFormat format) {
+  const bool latex = format == TableFormat::latex;
   std::string out;
-  for (const std::string& line : about(report)) {
+  for (const std::string& line : about) {
     std::string plain = one_line(line);
     // "--" ends a comment of markdown's.
     for (std::size_t at = 0; !latex && (at = plain.find("--", at)) != std::string::npos;) {
@@ -116,14 +122,19 @@ std::string compare_table(const CompareReport& report, TableFormat format, int r
     }
     out += latex ? "% " + plain + "\n" : "<!-- " + plain + " -->\n";
   }
-  if (latex) out += "\\begin{tabular}{llrrrrr}\n\\hline\n";
+  std::string columns, rule = "|";
+  for (std::size_t c = 0; c < cells.front().size(); ++c) {
+    columns += c < texts ? 'l' : 'r';
+    rule += c < texts ? "---|" : "---:|";
+  }
+  if (latex) out += "\\begin{tabular}{" + columns + "}\n\\hline\n";
   for (std::size_t i = 0; i < cells.size(); ++i) {
     std::string line;
     for (const std::string& cell : cells[i]) {
       line += latex ? (line.empty() ? "" : " & ") + cell : (line.empty() ? "| " : " | ") + cell;
     }
     out += line + (latex ? " \\\\\n" : " |\n");
-    if (i == 0) out += latex ? "\\hline\n" : "|---|---|---:|---:|---:|---:|---:|\n";
+    if (i == 0) out += latex ? "\\hline\n" : rule + "\n";
   }
   if (latex) out += "\\hline\n\\end{tabular}\n";
   // The mark of CogRSim's files.

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "cogrsim/algorithms/steering.h"
 #include "cogrsim/core/constants.h"
 #include "cogrsim/core/shown_text.h"
 #include "cogrsim/simulation/simulation.h"
@@ -16,10 +15,11 @@
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/progress.h"
-#include "common/quantities.h"
 #include "common/refuse.h"
 #include "common/terminal.h"
+#include "policy/policy_case.h"
 #include "policy/policy_scene.h"
+#include "policy/policy_watch.h"
 #include "run/run_log.h"
 
 namespace cogrsim::cli {
@@ -33,88 +33,12 @@ struct PolicyOptions {
   std::optional<std::uint64_t> seed;
 };
 
-// Mean velocities count from here on [s]: before, the robot starts to walk.
-constexpr double kSettled = 2.0;
-
-/// How a robot did in a run.
-struct PolicyResult {
-  std::string backend, status;
-  double time = 0.0;  // at the end [s]
-  std::optional<double> fell;
-  bool stood = false;  // to the end that was asked for
-  Vec3 start = Vec3::Zero(), end = Vec3::Zero();
-  double heading = 0.0;          // turned since the start [rad]
-  double path = 0.0;             // length of the way [m]
-  Vec3 velocity = Vec3::Zero();  // mean, forward, to the left [m/s] and turning [rad/s]
-  double limited = 0.0;          // share of time of the motors at their limits of effort
-  std::uint64_t seed = 0;
-};
-
-/// Watches the base in every step.
-class Watch {
- public:
-  Watch(const PolicyScene& scene, Simulation& simulation)
-      : scene_(scene), simulation_(simulation) {}
-
-  void see(const Frame& frame) {
-    const auto base = static_cast<std::size_t>(scene_.robot.base);
-    const Pose& body = frame.state.poses[base];
-    const Twist& twist = frame.state.twists[base];
-    const double heading = planar(body).heading;
-    if (!seen_) {
-      result.start = body.p;
-    } else {
-      const double turn = wrapped_angle(heading - heading_);
-      result.heading += turn;
-      result.path += Vec3(body.p.x() - last_.x(), body.p.y() - last_.y(), 0.0).norm();
-      if (frame.time > kSettled) {
-        const double dt = frame.time - time_;
-        const Vec3 v = Eigen::AngleAxisd(-heading, Vec3::UnitZ()) * twist.linear;
-        sum_ += dt * Vec3(v.x(), v.y(), 0.0) + Vec3(0.0, 0.0, turn);
-        settled_ += dt;
-      }
-    }
-    seen_ = true;
-    heading_ = heading;
-    last_ = result.end = body.p;
-    time_ = frame.time;
-    efforts(frame);
-    const PolicyCard& card = *scene_.card;
-    const Vec3 up = body.q * (scene_.robot.X_BF.q * Vec3::UnitZ());
-    const bool low = body.p.z() < card.fallen_height;
-    if (!result.fell && (low || std::acos(std::clamp(up.z(), -1.0, 1.0)) > card.fallen_tilt)) {
-      result.fell = frame.time;
-      simulation_.stop();
-    }
-  }
-
-  void finish() {
-    if (settled_ > 0.0) result.velocity = sum_ / settled_;
-    if (samples_ > 0.0) result.limited = at_limit_ / samples_;
-  }
-
+// The result, and what the run was.
+struct PolicyRun {
   PolicyResult result;
-
- private:
-  void efforts(const Frame& frame) {
-    for (std::size_t i = 0; i < scene_.robot.motors.size(); ++i) {
-      const auto index = static_cast<std::size_t>(scene_.robot.motors[i]);
-      const Motor& motor = scene_.model->motors[index];
-      const JointAxis& axis = scene_.model->joints[static_cast<std::size_t>(motor.joint)]
-                                  .axes[static_cast<std::size_t>(motor.axis)];
-      double limit = std::min(motor.max_effort, axis.max_effort);
-      if (!scene_.card->actions.effort_limit.empty())
-        limit = std::min(limit, scene_.card->actions.effort_limit[i]);
-      samples_ += 1.0;
-      if (std::fabs(frame.state.motor_efforts[index]) >= 0.999 * limit) at_limit_ += 1.0;
-    }
-  }
-
-  const PolicyScene& scene_;
-  Simulation& simulation_;
-  bool seen_ = false;
-  double heading_ = 0.0, time_ = 0.0, settled_ = 0.0, samples_ = 0.0, at_limit_ = 0.0;
-  Vec3 last_ = Vec3::Zero(), sum_ = Vec3::Zero();
+  std::string backend, status;
+  std::uint64_t seed = 0;
+  bool stood = false;  // to the end that was asked for
 };
 
 bool has_errors(const std::vector<Diagnostic>& found) { return first_error(found) != nullptr; }
@@ -180,16 +104,17 @@ std::string numbers(const std::vector<double>& values) {
   return out;
 }
 
-std::string summary(const PolicyResult& r, const PolicyScene& scene,
+std::string summary(const PolicyRun& run, const PolicyScene& scene,
                     const std::vector<double>& command) {
+  const PolicyResult& r = run.result;
   std::string out = fmt::format("{} on {}, command {}, seed {}\n", one_line(scene.card->file),
-                                r.backend, numbers(command), r.seed);
+                                run.backend, numbers(command), run.seed);
   if (r.fell)
     out += fmt::format("  stood      no: fell at {:.2f} s\n", *r.fell);
-  else if (r.stood)
+  else if (run.stood)
     out += fmt::format("  stood      {:.4g} s\n", r.time);
   else
-    out += fmt::format("  stood      to {:.4g} s, where the run ended: {}\n", r.time, r.status);
+    out += fmt::format("  stood      to {:.4g} s, where the run ended: {}\n", r.time, run.status);
   const Vec3 way = r.end - r.start;
   out += fmt::format(
       "  walked     {:.2f} m, to {:.2f} m ahead and {:.2f} m to the left; turned {:.1f} deg\n",
@@ -201,15 +126,16 @@ std::string summary(const PolicyResult& r, const PolicyScene& scene,
   return out;
 }
 
-Json result_json(const PolicyResult& r, const PolicyScene& scene,
+Json result_json(const PolicyRun& run, const PolicyScene& scene,
                  const std::vector<double>& command) {
+  const PolicyResult& r = run.result;
   return {{"card", scene.card->file},
-          {"backend", r.backend},
-          {"seed", r.seed},
+          {"backend", run.backend},
+          {"seed", run.seed},
           {"command", command},
-          {"status", r.status},
+          {"status", run.status},
           {"time", r.time},
-          {"stood", r.stood},
+          {"stood", run.stood},
           {"fell_at", r.fell ? Json(*r.fell) : Json(nullptr)},
           {"start", to_json(r.start)},
           {"end", to_json(r.end)},
@@ -244,46 +170,43 @@ int run(const PolicyOptions& options) {
     return kFailed;
   }
   Simulation& simulation = **created;
-  Watch watch(scene, simulation);
-  if (const FramePtr first = simulation.frame()) watch.see(*first);
-  const Observation observation =
-      simulation.observe({}, [&](const FramePtr& frame) { watch.see(*frame); });
-  watch.result.backend = simulation.backend().name();
-  watch.result.seed = simulation.model()->physics.seed;
+  PolicyWatch watch(scene, simulation, command);
+  bool fell = false;
+  if (const FramePtr first = simulation.frame()) fell = watch.see(*first);
+  const Observation observation = simulation.observe({}, [&](const FramePtr& frame) {
+    if (watch.see(*frame)) simulation.stop();
+  });
+  PolicyRun out;
+  out.backend = simulation.backend().name();
+  out.seed = simulation.model()->physics.seed;
   RunStatus status = simulation.status();
   {
-    Progress progress(watch.result.backend, options.duration);
+    Progress progress(out.backend, options.duration);
     RunLog log(simulation, progress, nullptr, false);
     const InterruptStops stops(simulation);
-    if (!watch.result.fell) status = log.run(options.duration);
+    if (!fell) status = log.run(options.duration);
     log.finish();
   }
-  watch.finish();
-  watch.result.time = simulation.time();
-  watch.result.status = watch.result.fell ? "fell" : to_string(status);
-  watch.result.stood =
-      !watch.result.fell && (status == RunStatus::completed || status == RunStatus::running);
+  out.result = watch.finish();
+  out.result.time = simulation.time();
+  out.status = out.result.fell ? "fell" : to_string(status);
+  out.stood = !out.result.fell && (status == RunStatus::completed || status == RunStatus::running);
   if (!options.json.empty()) {
-    const auto written = write_output(options.json, OutputKind::json,
-                                      json_text(result_json(watch.result, scene, command)));
+    const auto written =
+        write_output(options.json, OutputKind::json, json_text(result_json(out, scene, command)));
     if (!written) return refuse(written.error());
   }
   if (options.json != "-") {
-    const auto printed = print_output(summary(watch.result, scene, command));
+    const auto printed = print_output(summary(out, scene, command));
     if (!printed) return refuse(printed.error());
   }
-  return watch.result.stood ? kGood : kFailed;
+  return out.stood ? kGood : kFailed;
 }
 
 std::vector<double> command_from(const std::string& text) {
-  std::vector<double> out;
-  for (const std::string& piece : split(text, ' ')) {
-    if (piece.empty()) continue;
-    const auto number = parse_number(piece);
-    if (!number) throw UsageError("--command", number.error());
-    out.push_back(*number);
-  }
-  return out;
+  const auto numbers = parse_command(text);
+  if (!numbers) throw UsageError("--command", numbers.error());
+  return *numbers;
 }
 
 }  // namespace

@@ -10,19 +10,13 @@
 
 #include "cogrsim/dsl/study.h"
 #include "common/progress.h"
-#include "run/run_measures.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "policy/policy_case.h"
+#include "run/run_measures.h"
 
 namespace cogrsim::cli {
 namespace {
-
-std::string refusal_text(const std::vector<Diagnostic>& diagnostics) {
-  const Diagnostic* d = first_error(diagnostics);
-  if (d == nullptr) return "the scene cannot be run";
-  const std::string text = d->code.empty() ? d->message : d->code + ": " + d->message;
-  return d->file.empty() ? text : d->position_text() + ": " + text;
-}
 
 // Why a run ended otherwise than by reaching its end: the last that was reported as an error.
 std::string cause_of(const Simulation& simulation, RunStatus status) {
@@ -44,6 +38,7 @@ bool lacks_memory(const RunMessage& message) {
 }
 
 Json run(const Json& input) {
+  if (input.contains("policy")) return run_policy_case(input);
   SceneOptions options;
   options.scene = input["scene"].get<std::string>();
   options.set = input["set"].get<std::map<std::string, std::string>>();
@@ -80,6 +75,28 @@ Json run(const Json& input) {
   const auto start = std::chrono::steady_clock::now();
   RunStatus status = simulation.run_until(duration);
   const double wall = seconds_since(start);
+  Json result = ended_result(simulation, status, wall);
+  for (const RunMeasures::Value& value : attached->values()) {
+    // Infinite numbers are kept as text: JSON has no such numbers.
+    result["measures"][value.name] = std::isnan(value.value) ? Json(nullptr)
+                                     : std::isinf(value.value)
+                                         ? Json(value.value > 0 ? "inf" : "-inf")
+                                         : Json(value.value);
+    result["units"][value.name] = value.unit;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string refusal_text(const std::vector<Diagnostic>& diagnostics) {
+  const Diagnostic* d = first_error(diagnostics);
+  if (d == nullptr) return "the scene cannot be run";
+  const std::string text = d->code.empty() ? d->message : d->code + ": " + d->message;
+  return d->file.empty() ? text : d->position_text() + ": " + text;
+}
+
+Json ended_result(Simulation& simulation, RunStatus status, double wall) {
   Json result = failed_result("", "");
   if (status == RunStatus::running) {
     status = RunStatus::stopped;  // paused, and nothing can resume it
@@ -101,16 +118,10 @@ Json run(const Json& input) {
   result["end_time"] = simulation.time();
   result["wall_time"] = wall;
   result["state_hash"] = fmt::format("{:016x}", state_hash(simulation.frame()->state));
-  for (const RunMeasures::Value& value : attached->values()) {
-    // Infinite numbers are kept as text: JSON has no such numbers.
-    result["measures"][value.name] = std::isnan(value.value) ? Json(nullptr)
-                                     : std::isinf(value.value)
-                                         ? Json(value.value > 0 ? "inf" : "-inf")
-                                         : Json(value.value);
-    result["units"][value.name] = value.unit;
-  }
   return result;
 }
+
+namespace {
 
 // The last two lines with something on them, as they may be shown: what a library said, and who was
 // called when it crashed.

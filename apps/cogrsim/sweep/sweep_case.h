@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "cogrsim/simulation/simulation.h"
 #include "common/case_pool.h"
 #include "common/json_text.h"
 
@@ -13,6 +14,11 @@ int sweep_case_command();
 
 /// The result of a case that ended; a failed_result() if it ended without one.
 Json sweep_outcome(CaseEnd end, const CasePool::Limits& limits);
+
+/// The result of a run that ended, without measures. `wall`: time that it took [s].
+Json ended_result(Simulation& simulation, RunStatus status, double wall);
+/// The first error, with its code and place.
+std::string refusal_text(const std::vector<Diagnostic>& diagnostics);
 
 /// A result that no run made: `status` "crashed", "timeout", "memory" or "failed", and why.
 Json failed_result(const std::string& status, const std::string& cause);

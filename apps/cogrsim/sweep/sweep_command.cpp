@@ -36,7 +36,8 @@ CasePool::Limits limits_of(const SweepOptions& options, int default_jobs) {
 
 class SweepProgress {
  public:
-  SweepProgress(std::size_t before, std::size_t all) : before_(before), all_(all) {}
+  SweepProgress(std::string title, std::size_t before, std::size_t all)
+      : title_(std::move(title)), before_(before), all_(all) {}
 
   void count(bool good) {
     ++done_;
@@ -45,11 +46,12 @@ class SweepProgress {
   void show() {
     if (!line_.due()) return;
     line_.show(sweep_line(done_, failed_, before_, all_, seconds_since(start_),
-                          terminal_width(STDERR_FILENO)));
+                          terminal_width(STDERR_FILENO), title_));
   }
   void finish() { line_.clear(); }
 
  private:
+  std::string title_;
   std::size_t before_, all_, done_ = 0, failed_ = 0;
   StatusLine line_;
   Clock::time_point start_ = Clock::now();
@@ -130,7 +132,7 @@ class RankWorkers {
   std::vector<std::string> problems_;
 };
 
-int run_all(const SweepPlan& plan, RankMessages* messages) {
+int run_all(const SweepPlan& plan, const Study& study, RankMessages* messages) {
   auto table = SweepTable::open(plan);
   if (!table) return refuse(table.error());
   if (plan.options.retry) {
@@ -150,7 +152,7 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
   const auto start = Clock::now();
   std::size_t added = 0;
   {
-    SweepProgress progress(before, plan.cases.size());
+    SweepProgress progress(study.title, before, plan.cases.size());
     const auto next = [&]() -> std::optional<std::size_t> {
       if (waiting.empty()) return std::nullopt;
       const std::size_t id = waiting.front();
@@ -187,12 +189,19 @@ int run_all(const SweepPlan& plan, RankMessages* messages) {
   std::string text = fmt::format("{}: {} of {} runs done, {} good, {} not; {} runs took {}\n",
                                  one_line(plan.scene_name), done, plan.cases.size(), counts.good,
                                  counts.failed, added, elapsed_text(seconds_since(start)));
-  text += table->left_out_text();
-  text +=
-      fmt::format("  {0}/{1}\n  {0}/{2}\n", one_line(plan.options.output), kTableName, kCsvName);
-  if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+  const std::string left_out = table->left_out_text();
+  text += left_out;
+  if (study.report) {
+    std::fputs(text.c_str(), stderr);
+    if (const int status = study.report(plan, left_out); status != kGood) return status;
+  } else {
+    text +=
+        fmt::format("  {0}/{1}\n  {0}/{2}\n", one_line(plan.options.output), kTableName, kCsvName);
+    if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+  }
   if (done < plan.cases.size()) {
-    print_warning("interrupted: the same command resumes where this one ended");
+    print_warning(study.kept ? "interrupted: the same command resumes where this one ended"
+                             : "interrupted: with -o DIR the same command would resume");
     return kFailed;
   }
   if (counts.good == 0 && counts.failed > 0) {
@@ -264,7 +273,7 @@ int merge(const SweepOptions& options) {
 }  // namespace
 
 std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before, std::size_t all,
-                       double elapsed, int width) {
+                       double elapsed, int width, const std::string& title) {
   std::string tail = fmt::format("  {} of {}", before + done, all);
   if (failed > 0) tail += fmt::format("  {} failed", failed);
   if (done > 0 && elapsed > 0.2) {
@@ -272,8 +281,9 @@ std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before,
         elapsed / static_cast<double>(done) * static_cast<double>(all - before - done);
     tail += fmt::format("  {} left", elapsed_text(left));
   }
-  std::string line = "sweep";
-  const int space = width - 1 - static_cast<int>(display_width(tail)) - 9;
+  std::string line = title;
+  const int space = width - 1 - static_cast<int>(display_width(tail)) -
+                    static_cast<int>(display_width(title)) - 4;
   const int bar = std::clamp(space, 0, 40);
   if (bar >= 5) {
     const double part =
@@ -285,6 +295,12 @@ std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before,
 
 int sweep_command(const SweepOptions& options) {
   if (!options.merged.empty()) return merge(options);
+  Study study;
+  study.make = [&] { return make_plan(options); };
+  return run_study(options, study);
+}
+
+int run_study(const SweepOptions& options, const Study& study) {
   const int ranks = options.dry_run ? 1 : ranks_around();
   std::unique_ptr<RankMessages> messages;
   if (ranks > 1) {
@@ -297,7 +313,7 @@ int sweep_command(const SweepOptions& options) {
   if (messages && messages->rank() > 0) {
     if (std::freopen("/dev/null", "w", stderr) == nullptr) return kFailed;
   }
-  const std::optional<SweepPlan> plan = make_plan(options);
+  const std::optional<SweepPlan> plan = study.make();
   if (messages && messages->rank() > 0) return run_for_others(options, plan, *messages);
   const auto send_all = [&](const Json& message) {
     for (int rank = 1; messages && rank < messages->size(); ++rank) {
@@ -309,7 +325,7 @@ int sweep_command(const SweepOptions& options) {
     status = dry_run(*plan);
   } else if (plan) {
     send_all({{"scene_hash", plan->scene_hash}});
-    status = run_all(*plan, messages.get());
+    status = run_all(*plan, study, messages.get());
   }
   send_all({{"end", true}});
   return status;

@@ -24,16 +24,6 @@ struct SweepArguments {
   SweepOptions options;
 };
 
-dsl::Study::Variation variation_from(const std::string& argument) {
-  const auto pair = parse_setting(argument);
-  if (!pair)
-    throw UsageError("--vary", Problem(fmt::format("'{}' is not name=values", argument), "",
-                                       "write --vary r=3cm..5cm:5 or --vary r=3cm,4cm"));
-  auto values = dsl::parse_study_values(pair->second);
-  if (!values) throw UsageError("--vary " + pair->first, values.error());
-  return {pair->first, std::move(*values)};
-}
-
 // NAME=SIGNAL or NAME=SIGNAL@TAKE.
 dsl::Study::Measure measure_from(const std::string& argument) {
   const auto pair = parse_setting(argument);
@@ -56,11 +46,6 @@ dsl::Study::Measure measure_from(const std::string& argument) {
     measure.signal = pair->second.substr(0, at);
   }
   return measure;
-}
-
-double seconds_from(const char* option, const std::string& argument) {
-  return time_from(option, argument, kAboveZero, kLongestDuration,
-                   "it must be more than 0 s and at most 1e9 s");
 }
 
 // "3/16".
@@ -171,14 +156,7 @@ void take_arguments(const SweepArguments& arguments, SweepOptions& options) {
     if (!seeds) throw UsageError("--seeds", seeds.error());
     options.seeds = std::move(*seeds);
   }
-  for (const std::string& list : arguments.backends) {
-    for (const std::string& name : split_backend_choices(list)) {
-      if (std::count(options.backends.begin(), options.backends.end(), name) > 0) {
-        throw UsageError("--backends", Problem(fmt::format("'{}' is given twice", name)));
-      }
-      options.backends.push_back(name);
-    }
-  }
+  options.backends = backends_from(arguments.backends);
   if (!arguments.until.empty()) options.scene.duration = seconds_from("--until", arguments.until);
 }
 
@@ -203,6 +181,34 @@ std::optional<SweepOptions> options_from(const SweepArguments& arguments) {
 }
 
 }  // namespace
+
+dsl::Study::Variation variation_from(const std::string& argument) {
+  const auto pair = parse_setting(argument);
+  if (!pair)
+    throw UsageError("--vary", Problem(fmt::format("'{}' is not name=values", argument), "",
+                                       "write --vary r=3cm..5cm:5 or --vary r=3cm,4cm"));
+  auto values = dsl::parse_study_values(pair->second);
+  if (!values) throw UsageError("--vary " + pair->first, values.error());
+  return {pair->first, std::move(*values)};
+}
+
+double seconds_from(const char* option, const std::string& argument) {
+  return time_from(option, argument, kAboveZero, kLongestDuration,
+                   "it must be more than 0 s and at most 1e9 s");
+}
+
+std::vector<std::string> backends_from(const std::vector<std::string>& lists) {
+  std::vector<std::string> out;
+  for (const std::string& list : lists) {
+    for (const std::string& name : split_backend_choices(list)) {
+      if (std::count(out.begin(), out.end(), name) > 0) {
+        throw UsageError("--backends", Problem(fmt::format("'{}' is given twice", name)));
+      }
+      out.push_back(name);
+    }
+  }
+  return out;
+}
 
 void add_sweep(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("sweep", "Run a scene many times and gather a table");

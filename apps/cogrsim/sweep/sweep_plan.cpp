@@ -23,20 +23,6 @@ std::uint64_t hash_values(const std::vector<T>& values, std::uint64_t hash) {
   return hash_bytes(values.data(), values.size() * sizeof(T), hash);
 }
 
-std::uint64_t hash_of_scene(const SceneModel& model) {
-  std::uint64_t hash = hash_bytes(nullptr, 0);
-  for (const std::string& file : model.files) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    hash = hash_bytes(text.data(), text.size(), hash);
-  }
-  for (const MeshPtr& mesh : model.meshes) {
-    hash = hash_values(mesh->triangles, hash_values(mesh->vertices, hash));
-  }
-  for (const HeightGridPtr& grid : model.heightmaps) hash = hash_values(grid->heights, hash);
-  return hash;
-}
-
 MeasureModel as_model(const dsl::Study::Measure& measure) {
   MeasureModel out;
   out.name = measure.name;
@@ -87,6 +73,20 @@ std::string Shard::text() const {
   return of == 0 ? "a whole study" : fmt::format("shard {}/{}", number, of);
 }
 
+std::uint64_t hash_of_scene(const SceneModel& model) {
+  std::uint64_t hash = hash_bytes(nullptr, 0);
+  for (const std::string& file : model.files) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    hash = hash_bytes(text.data(), text.size(), hash);
+  }
+  for (const MeshPtr& mesh : model.meshes) {
+    hash = hash_values(mesh->triangles, hash_values(mesh->vertices, hash));
+  }
+  for (const HeightGridPtr& grid : model.heightmaps) hash = hash_values(grid->heights, hash);
+  return hash;
+}
+
 std::string SweepPlan::title(const SweepCase& one) const {
   std::string out;
   for (std::size_t v = 0; v < options.variations.size(); ++v) {
@@ -133,6 +133,7 @@ Json SweepPlan::input(const SweepCase& one) const {
               {"without", options.scene.without},
               {"memory_limit", options.memory_limit}};
   if (options.scene.duration) out["until"] = *options.scene.duration;
+  if (policy) out["policy"] = true;
   return out;
 }
 
@@ -173,6 +174,29 @@ std::vector<std::string> definition_differences(const Json& then, const Json& no
       out.push_back(fmt::format("{} was {}, now it is {}", key, text(before), text(after)));
   }
   return out;
+}
+
+bool add_cases(SweepPlan& plan) {
+  const SweepOptions& options = plan.options;
+  std::size_t grid = 1;
+  const auto grow = [&](std::size_t factor) {
+    if (grid > kMostRuns / factor) return false;
+    grid *= factor;
+    return true;
+  };
+  bool fits = grow(options.seeds.size()) && grow(options.backends.size());
+  for (const auto& variation : options.variations) fits = fits && grow(variation.values.size());
+  if (!fits) return false;
+  const std::size_t runs_each = options.seeds.size() * options.backends.size();
+  for (std::size_t k = 0; k < grid / runs_each; ++k) {
+    const std::vector<std::size_t> values = grid_values(options.variations, k);
+    for (const std::uint64_t seed : options.seeds) {
+      for (const std::string& backend : options.backends) {
+        plan.cases.push_back({values, seed, backend});
+      }
+    }
+  }
+  return true;
 }
 
 std::optional<SweepPlan> make_plan(SweepOptions options) {
@@ -234,28 +258,10 @@ std::optional<SweepPlan> make_plan(SweepOptions options) {
     }
   }
 
-  std::size_t grid = 1;
-  const auto grow = [&](std::size_t factor) {
-    if (grid > kMostRuns / factor) return false;
-    grid *= factor;
-    return true;
-  };
-  bool fits = grow(options.seeds.size()) && grow(options.backends.size());
-  for (const auto& variation : options.variations) fits = fits && grow(variation.values.size());
-  if (!fits) {
+  plan.options = std::move(options);
+  if (!add_cases(plan))
     return refused(Error(fmt::format("the study has more than {} runs", kMostRuns), "",
                          "vary fewer values, or make several studies of it"));
-  }
-  const std::size_t runs_each = options.seeds.size() * options.backends.size();
-  for (std::size_t k = 0; k < grid / runs_each; ++k) {
-    const std::vector<std::size_t> values = grid_values(options.variations, k);
-    for (const std::uint64_t seed : options.seeds) {
-      for (const std::string& backend : options.backends) {
-        plan.cases.push_back({values, seed, backend});
-      }
-    }
-  }
-  plan.options = std::move(options);
   take_shard(plan);
   return plan;
 }

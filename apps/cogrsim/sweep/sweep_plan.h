@@ -54,6 +54,7 @@ struct SweepPlan {
   std::uint64_t scene_hash = 0;             ///< of all files that make the scene
   std::vector<SweepCase> cases;
   std::uint64_t cases_hash = 0;  ///< of the cases of all shards; 0: of a whole study
+  bool policy = false;  ///< the scene is a policy card, and the parameters are PolicySettings
 
   /// "r=3 cm, seed 7, bullet": for people, and unique within the study.
   std::string title(const SweepCase& one) const;
@@ -68,6 +69,11 @@ struct SweepPlan {
 /// Compiles the scene for the first run and checks the options before anything runs.
 /// Errors are printed; nullopt then.
 std::optional<SweepPlan> make_plan(SweepOptions options);
+
+/// All cases of the options' values, seeds and backends. False: there are more than kMostRuns.
+bool add_cases(SweepPlan& plan);
+/// Of the scene's files, meshes and height grids.
+std::uint64_t hash_of_scene(const SceneModel& model);
 
 /// The differences of `now` from `then`, as text; empty: none.
 std::vector<std::string> definition_differences(const Json& then, const Json& now);

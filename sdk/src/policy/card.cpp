@@ -34,7 +34,8 @@ constexpr const char* kTerms[] = {"base-linear-velocity",
 
 // What every term has, and what some have besides.
 std::vector<std::string> keys_of(PolicyTerm term) {
-  std::vector<std::string> out = {"scale", "clip", "history", "delay", "noise"};
+  std::vector<std::string> out = {"scale",        "mean",  "clip", "history",
+                                  "newest-first", "delay", "noise"};
   switch (term) {
     case PolicyTerm::base_linear_velocity:
     case PolicyTerm::base_angular_velocity:
@@ -67,19 +68,28 @@ std::string listed(const std::vector<std::string>& names) {
 
 class Reader {
  public:
-  Reader(std::string file, std::string text)
-      : yaml_(file, text), folder_(fs::path(file).parent_path().string()) {
+  Reader(std::string file, std::string text, const CardChanges& changes)
+      : changes_(changes), yaml_(file, text), folder_(fs::path(file).parent_path().string()) {
     card_.file = std::move(file);
     card_.text = std::move(text);
   }
 
   std::shared_ptr<const PolicyCard> read(std::vector<Diagnostic>& found) {
     try {
-      if (yaml_.parse()) everything();
+      if (yaml_.parse()) {
+        for (const auto& [key, value] : changes_) yaml_.change(key, value);
+        everything();
+      }
     } catch (const YAML::Exception& e) {
       yaml_.error(yaml_.root(), "CG1501", "the file cannot be read: " + one_line(e.msg));
     }
     const bool good = yaml_.found.empty();
+    std::string changed;
+    for (const auto& [key, value] : changes_)
+      changed += fmt::format("{}{}={}", changed.empty() ? "with " : ", ", one_line(key),
+                             one_line(value.substr(0, 60)));
+    for (Diagnostic& d : yaml_.found)
+      if (!changed.empty()) d.message = changed + ": " + d.message;
     found.insert(found.end(), yaml_.found.begin(), yaml_.found.end());
     return good ? std::make_shared<const PolicyCard>(std::move(card_)) : nullptr;
   }
@@ -271,8 +281,9 @@ class Reader {
                   "write \"actions: {kind: position, scale: 0.5}\"");
       return;
     }
-    yaml_.check_keys(node, {"kind", "scale", "offset", "clip", "kp", "kd", "effort-limit", "delay"},
-                     "actions");
+    yaml_.check_keys(
+        node, {"kind", "scale", "offset", "clip", "kp", "kd", "effort-limit", "delay", "law"},
+        "actions");
     const YAML::Node kind = yaml_.required(node, "kind", "kind: position, velocity or torque");
     if (const auto word = yaml_.word(kind, "kind")) {
       const std::vector<std::string> kinds = {"position", "velocity", "torque"};
@@ -333,6 +344,14 @@ class Reader {
     }
     place("actions.effort-limit", node["effort-limit"]);
     a.delay = seconds(node["delay"], "delay");
+    place("actions.law", node["law"]);
+    if (const auto law = yaml_.word(node["law"], "law")) {
+      a.per_decision = *law == "per-decision";
+      if (!a.per_decision && *law != "per-step")
+        yaml_.error(node["law"], "CG1503", "law is per-step or per-decision");
+      else if (a.per_decision && a.kp.empty() && a.kd.empty())
+        yaml_.required(node, "kd", "a law of the card's own has gains");
+    }
   }
 
   void observations() {
@@ -389,16 +408,21 @@ class Reader {
   void common_settings(PolicyObservation& o, const YAML::Node& map) {
     const std::size_t width = o.width(card_.joints.size());
     o.scale.assign(width, 1.0);
-    if (const auto scale = yaml_.quantities(map["scale"], {dim::kNone}, "scale")) {
-      if (scale->size() == 1)
-        o.scale.assign(width, scale->front());
-      else if (scale->size() == width)
-        o.scale = *scale;
+    o.mean.assign(width, 0.0);
+    for (const auto& [key, to] : {std::pair{"scale", &o.scale}, {"mean", &o.mean}}) {
+      const auto values = yaml_.quantities(map[key], {dim::kNone}, key);
+      if (!values) continue;
+      if (values->size() == 1)
+        to->assign(width, values->front());
+      else if (values->size() == width)
+        *to = *values;
       else
-        yaml_.error(map["scale"], "CG1506",
-                    fmt::format("scale has {} numbers for {} values", scale->size(), width),
+        yaml_.error(map[key], "CG1506",
+                    fmt::format("{} has {} numbers for {} values", key, values->size(), width),
                     "it has one for all, or one for each");
     }
+    if (const auto newest = yaml_.truth(map["newest-first"], "newest-first"))
+      o.newest_first = *newest;
     o.clip = clip(map["clip"], "clip");
     if (const auto history = yaml_.quantity(map["history"], dim::kNone, "history")) {
       if (*history >= 1.0 && *history <= 1000.0 && *history == static_cast<int>(*history))
@@ -508,6 +532,7 @@ class Reader {
       card_.fallen_tilt = *tilt;
   }
 
+  const CardChanges& changes_;
   YamlText yaml_;
   std::string folder_;
   PolicyCard card_;
@@ -546,8 +571,9 @@ std::size_t PolicyCard::observed() const {
   return out;
 }
 
-std::shared_ptr<const PolicyCard> read_policy_card(const std::string& path,
-                                                   std::vector<Diagnostic>& found) {
+namespace {
+
+std::optional<std::string> text_of(const std::string& path, std::vector<Diagnostic>& found) {
   std::error_code error;
   std::ifstream file;
   if (fs::is_regular_file(path, error)) file.open(path, std::ios::binary);
@@ -557,7 +583,7 @@ std::shared_ptr<const PolicyCard> read_policy_card(const std::string& path,
   if (!file.is_open()) {
     d.message = "there is no such file";
     found.push_back(d);
-    return nullptr;
+    return std::nullopt;
   }
   // One byte more than a card may have shows that it has too many.
   std::string text(fs::file_size(path, error) > (1u << 20)
@@ -567,9 +593,60 @@ std::shared_ptr<const PolicyCard> read_policy_card(const std::string& path,
   if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     d.message = "the file cannot be read";
     found.push_back(d);
-    return nullptr;
+    return std::nullopt;
   }
-  return Reader(path, std::move(text)).read(found);
+  return text;
+}
+
+std::string in_one_line(const YAML::Node& node) {
+  YAML::Emitter out;
+  out.SetMapFormat(YAML::Flow);
+  out.SetSeqFormat(YAML::Flow);
+  out << node;
+  return one_line(out.c_str());
+}
+
+void add_values(const std::string& prefix, const YAML::Node& map, CardChanges& out) {
+  for (const auto& entry : map)
+    out.emplace_back(prefix + entry.first.Scalar(), in_one_line(entry.second));
+}
+
+}  // namespace
+
+std::shared_ptr<const PolicyCard> read_policy_card(const std::string& path,
+                                                   std::vector<Diagnostic>& found,
+                                                   const CardChanges& changes) {
+  const auto text = text_of(path, found);
+  return text ? Reader(path, *text, changes).read(found) : nullptr;
+}
+
+CardChanges policy_card_values(const std::string& path) {
+  CardChanges out;
+  std::vector<Diagnostic> found;
+  const auto text = text_of(path, found);
+  if (!text) return out;
+  YamlText yaml(path, *text);
+  if (!yaml.parse()) return out;
+  for (const auto& entry : yaml.root()) {
+    const std::string key = entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      add_values(key + ".", entry.second, out);
+    } else if (key == "observations" && entry.second.IsSequence()) {
+      std::string names;
+      for (const YAML::Node& term : entry.second) {
+        const bool map = term.IsMap() && term.size() == 1;
+        const std::string name = map ? term.begin()->first.Scalar() : in_one_line(term);
+        names += name + " ";
+        if (map && term.begin()->second.IsMap())
+          add_values("observations." + name + ".", term.begin()->second, out);
+      }
+      out.emplace_back(key, names);
+      out.emplace_back("observations.all", in_one_line(entry.second));
+    } else {
+      out.emplace_back(key, in_one_line(entry.second));
+    }
+  }
+  return out;
 }
 
 Diagnostic policy_finding(const PolicyCard& card, const std::string& place, std::string code,

@@ -200,6 +200,11 @@ void check_motor(const PolicyCard& card, const SceneModel& model, std::size_t i,
                        to_string(motor.mode), kind),
            "give the robot motors in mode torque");
   }
+  if (a.per_decision && !torque)
+    refuse("actions.law",
+           fmt::format("the motor of joint '{}' is in mode {}, whose law runs in every step", joint,
+                       to_string(motor.mode)),
+           "a law once per decision needs motors in mode torque");
   const Joint& driven = model.joints[at(motor.joint)];
   const JointAxis& axis = driven.axes[at(motor.axis)];
   if (card.pose[i] < axis.lower - 1e-6 || card.pose[i] > axis.upper + 1e-6) {

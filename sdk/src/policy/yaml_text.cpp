@@ -83,6 +83,69 @@ bool YamlText::parse() {
   return false;
 }
 
+namespace {
+
+// The name of an entry of a list: "- command", or "- command: {scale: 2}".
+std::string name_of(const YAML::Node& entry) {
+  if (entry.IsScalar()) return entry.Scalar();
+  return entry.IsMap() && entry.size() == 1 ? entry.begin()->first.Scalar() : "";
+}
+
+// False: there is no such place. Nodes are handles: a copy changes the tree.
+bool put(YAML::Node in, const std::string& key, const YAML::Node& value) {
+  const std::size_t dot = key.find('.');
+  const std::string first = key.substr(0, dot);
+  const bool last = dot == std::string::npos;
+  if (first.empty() || !(in.IsMap() || in.IsSequence())) return false;
+  if (in.IsMap()) {
+    if (last) {
+      if (value.IsNull())
+        in.remove(first);
+      else
+        in[first] = value;
+      return true;
+    }
+    if (!in[first].IsDefined() || in[first].IsNull()) in[first] = YAML::Node(YAML::NodeType::Map);
+    return put(in[first], key.substr(dot + 1), value);
+  }
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const bool named = !in[i].IsSequence() && name_of(in[i]) == first;
+    if (!named && first != std::to_string(i)) continue;
+    if (last) {
+      in[i] = value;
+      return true;
+    }
+    const std::string name = name_of(in[i]);
+    if (name.empty()) return put(in[i], key.substr(dot + 1), value);
+    if (!in[i].IsMap() || in[i][name].IsNull()) {
+      YAML::Node entry(YAML::NodeType::Map);
+      entry[name] = YAML::Node(YAML::NodeType::Map);
+      in[i] = entry;
+    }
+    return put(in[i][name], key.substr(dot + 1), value);
+  }
+  return false;
+}
+
+}  // namespace
+
+void YamlText::change(const std::string& key, const std::string& value) {
+  YamlText given(file_, "value: " + value);
+  if (!given.parse()) {
+    found.insert(found.end(), given.found.begin(), given.found.end());
+    return;
+  }
+  if (std::count(key.begin(), key.end(), '.') <= kDeepest && given.root().size() == 1 &&
+      put(root_, key, given.root()["value"]))
+    return;
+  Diagnostic d;
+  d.file = file_;
+  d.code = "CG1502";
+  d.message = fmt::format("a card has no '{}' that could be set", shown(key));
+  d.help = "name a key, such as actions.delay or observations.command.scale";
+  found.push_back(std::move(d));
+}
+
 SourcePosition YamlText::at(const YAML::Node& node) const {
   SourcePosition out;
   out.file = file_;

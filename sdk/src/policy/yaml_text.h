@@ -20,6 +20,9 @@ class YamlText {
   /// Parses. Errors (CG1501): not YAML, no map, over 1 MB, nested deeper than 16, aliases.
   bool parse();
   const YAML::Node& root() const { return root_; }
+  /// Puts `value`, in YAML, in the place of what `key` has: "actions.delay". Entries of lists are numbers,
+  /// or the names of terms. "~" takes it away. Errors: as parse(); CG1502 there is no such place.
+  void change(const std::string& key, const std::string& value);
 
   SourcePosition at(const YAML::Node& node) const;
   void error(const YAML::Node& node, const char* code, const std::string& message,

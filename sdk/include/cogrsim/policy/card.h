@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cogrsim/core/diagnostic.h"
@@ -32,12 +33,15 @@ enum class PolicyTerm {
 /// "base-linear-velocity", …
 COGRSIM_API const char* to_string(PolicyTerm term);
 
-/// One term of the observations. Its values are disturbed, clipped, scaled and stacked, in this order.
+/// One term of the observations. Its values are disturbed, clipped, less the mean, scaled and stacked, in
+/// this order.
 struct PolicyObservation : SourcePosition {
   PolicyTerm term = PolicyTerm::constant;
   std::vector<double> scale;  ///< one for all, or one per value
+  std::vector<double> mean;   ///< subtracted before the scale; one per value
   std::optional<std::pair<double, double>> clip;
   int history = 1;                     ///< values of so many decisions, the oldest first
+  bool newest_first = false;           ///< of the history
   double delay = 0.0;                  ///< age of what is observed [s]
   double uniform = 0.0, normal = 0.0;  ///< noise: half the width, standard deviation
   bool world = false;                  ///< velocities in the world's axes, not in the base's
@@ -68,6 +72,8 @@ struct PolicyActions : SourcePosition {
   std::vector<double> kp, kd;
   std::vector<double> effort_limit;  ///< of that torque; empty: that of the motor
   double delay = 0.0;                ///< between the decision and the target [s]
+  bool per_decision =
+      false;  ///< the drive law runs once per decision, and its torque holds until the next
 };
 
 /// A card. Lists per joint have one entry per joint after reading.
@@ -97,10 +103,16 @@ struct COGRSIM_API PolicyCard {
   std::size_t observed() const;  ///< number of values that the network is given
 };
 
+/// Values that a card has in place of its own, in YAML, by key: {"actions.delay", "20 ms"}. Entries of
+/// lists are numbers, and terms of the observations their names: "observations.command.scale". "~" takes a
+/// value away.
+using CardChanges = std::vector<std::pair<std::string, std::string>>;
+
 /// Reads a card. nullptr: `found` has the errors, CG1501 to CG1504. Paths are relative to the card, and lie
 /// in its folder or below it.
 COGRSIM_API std::shared_ptr<const PolicyCard> read_policy_card(const std::string& path,
-                                                               std::vector<Diagnostic>& found);
+                                                               std::vector<Diagnostic>& found,
+                                                               const CardChanges& changes = {});
 
 /// Whether the sizes of observations and actions are those of the network's inputs and outputs: CG1506.
 COGRSIM_API std::vector<Diagnostic> check_policy_network(const PolicyCard& card,
@@ -118,6 +130,10 @@ struct PolicyRobot {
 /// cannot do (CG1507) to `found`.
 COGRSIM_API PolicyRobot find_policy_robot(const PolicyCard& card, const SceneModel& model,
                                           std::vector<Diagnostic>& found);
+
+/// The values of a card by the keys of CardChanges, each in YAML on one line, to compare cards. "observations"
+/// has the names of the terms alone, "observations.all" all of them. Empty: it is no YAML.
+COGRSIM_API CardChanges policy_card_values(const std::string& path);
 
 /// A finding at a place of the card, with its line.
 COGRSIM_API Diagnostic policy_finding(const PolicyCard& card, const std::string& place,

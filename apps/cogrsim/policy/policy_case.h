@@ -1,0 +1,25 @@
+// One run of a policy in a study: on one engine, with one command and one seed.
+#pragma once
+
+#include "common/json_text.h"
+#include "policy/policy_scene.h"
+
+namespace cogrsim::cli {
+
+/// The measures of a policy's run, as columns of a study's table.
+struct PolicyMeasure {
+  const char *name, *unit;
+};
+extern const std::vector<PolicyMeasure> kPolicyMeasures;
+
+/// Runs a case whose scene is a card and whose parameters are PolicySettings; with `change` further ones,
+/// "friction=0.5; step=1 ms". With `trace` [s] the result has what the robot's sensors would have at each
+/// decision up to then, and the names of these numbers as `terms`.
+Json run_policy_case(const Json& input);
+
+/// "0.5 0 0" as numbers. Errors: one is none.
+Result<std::vector<double>> parse_command(const std::string& text);
+/// Further settings of a text, "friction=0.5; step=1 ms". Errors: no "=".
+Result<PolicySettings> parse_settings(const std::string& text);
+
+}  // namespace cogrsim::cli
