@@ -372,12 +372,14 @@ struct Finding {
   const Difference* difference;
   Runs bad, good;
   Estimate carried_bad, carried_good;  ///< part of the gap
+  bool repairs() const { return carried_bad.count > 0; }
   double part() const {
     const auto lowest = [](const Estimate& e) {
       return e.count == 0 ? -1e9 : e.mean - e.half_width.value_or(0.0) / 2;
     };
-    // A whole carries what its parts do, which say more.
-    return std::max(lowest(carried_bad), lowest(carried_good)) - (difference->whole ? 0.5 : 0.0);
+    // What makes the good side fall need not be why the bad one does: it counts where that cannot be changed. A whole
+    // carries what its parts do, which say more.
+    return lowest(repairs() ? carried_bad : carried_good) - (difference->whole ? 0.5 : 0.0);
   }
 };
 
@@ -495,9 +497,7 @@ std::vector<Finding> ranked(const Question& q, const Results& results, const Out
 std::string findings_text(const Question& q, const std::vector<Finding>& findings,
                           const Outcome& outcome, const Runs& good, const Runs& bad) {
   const Finding& first = findings.front();
-  const bool repairs =
-      first.carried_bad.count > 0 &&
-      (first.carried_good.count == 0 || first.carried_bad.mean >= first.carried_good.mean);
+  const bool repairs = first.repairs();
   const Estimate& carried = repairs ? first.carried_bad : first.carried_good;
   std::string out = "No single difference of these carries more of it than chance does.\n", without;
   if (beyond_chance(carried) && carried.mean > 0.0)
@@ -543,9 +543,13 @@ int tell(const ExplainOptions& options, const Question& q) {
                                 time_text(*q.plan.options.scene.duration), stand_text(good.stood),
                                 q.good_name, stand_text(bad.stood), q.bad_name);
   Estimate gap;
-  const Outcome* outcome = differing(good, bad, gap);
+  const bool complete = table->rows.size() >= q.plan.cases.size();
+  const Outcome* outcome = complete ? differing(good, bad, gap) : nullptr;
   std::vector<Finding> findings;
-  if (outcome == nullptr) {
+  if (!complete) {
+    out += fmt::format("{} of {} runs are done: the others decide what carries the difference.\n",
+                       table->rows.size(), q.plan.cases.size());
+  } else if (outcome == nullptr) {
     out += "There is nothing to explain: nothing that is measured differs by more than chance.\n";
   } else {
     findings = ranked(q, results, *outcome, good, bad, gap);
