@@ -422,12 +422,17 @@ TEST_CASE("shards merge into the table of one machine", "[sweep][shards][program
     sqlite3_close(db);
   };
   const Arguments all = {part(1), part(2), part(3), part(4)};
+  spoil(4, "UPDATE study SET value = '{}' WHERE key = 'definition'");
+  refused(merge(all, folder / "no"), "are not shards of one study");
   spoil(3, "UPDATE provenance SET version = '0.0' WHERE backend = 'toy'");
   refused(merge(all, folder / "no"), "backend toy is ");
   spoil(2, "DELETE FROM runs WHERE rowid = 1");
   refused(merge(all, folder / "no"), "shard 2/4 has 4 of its 5 runs");
-  spoil(1, "UPDATE study SET value = '{}' WHERE key = 'shard'");
-  refused(merge(all, folder / "no"), "damaged");
+  for (const char* shard : {"{}", R"({"number":1,"of":4,"cases":5})",
+                            R"({"number":1,"of":18446744073709551615,"cases":5,"hash":"0"})"}) {
+    spoil(1, std::string("UPDATE study SET value = '") + shard + "' WHERE key = 'shard'");
+    refused(merge(all, folder / "no"), "damaged");
+  }
 }
 
 TEST_CASE("figures are drawn from the table", "[sweep][plot]") {

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <boost/math/distributions/students_t.hpp>
 
 #include "cogrsim/physics/backend_choice.h"
 #include "common/interrupt.h"
@@ -246,6 +247,7 @@ std::optional<Question> question(const ExplainOptions& options) {
   const double step = options.sweep.step > 0.0 ? options.sweep.step
                       : scene.card->step > 0.0 ? scene.card->step
                                                : scene.model->physics.step;
+  std::uint64_t hash = 0;  // of the other card
   if (options.against.empty()) {
     q.differences = engine_differences(scene, q.good, q.bad, step);
   } else {
@@ -253,6 +255,17 @@ std::optional<Question> question(const ExplainOptions& options) {
     q.differences = card_differences(options.against, card, options.to, all);
     if (q.differences.empty()) {
       print_error("the two cards do not differ");
+      return std::nullopt;
+    }
+    const auto folder = [](const std::string& path) {
+      std::error_code none;
+      return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none).parent_path(),
+                                               none);
+    };
+    if (folder(options.against) != folder(card)) {
+      print_error(
+          "the two cards lie in different folders, so what they name is not the same\n"
+          "help: put both into one folder");
       return std::nullopt;
     }
     const PolicyScene works = load_policy(options.against, options.sweep.scene.plugin_paths);
@@ -264,6 +277,7 @@ std::optional<Question> question(const ExplainOptions& options) {
                     [](const Difference& d) { return d.whole; }))
       add_robot_differences(works, scene, options.to, all, q.differences);
     q.good.settings = all;
+    hash = hash_of_policy(works);
     const auto name = [](const std::string& path) {
       return "with " + one_line(std::filesystem::path(path).filename().string());
     };
@@ -299,7 +313,7 @@ std::optional<Question> question(const ExplainOptions& options) {
   q.plan.options.variations = {{"command", {{command, none, ""}}}, std::move(changes)};
   q.plan.options.backends.assign(backends.begin(), backends.end());
   q.plan.scene_name = std::filesystem::path(card).filename().string();
-  q.plan.scene_hash = hash_of_policy(scene);
+  q.plan.scene_hash = hash ^ hash_of_policy(scene);
   for (const PolicyMeasure& measure : kPolicyMeasures)
     q.plan.scene_measures.emplace_back(measure.name);
   for (const std::string& name : backends) {
@@ -366,7 +380,14 @@ std::vector<double> finite(std::vector<double> numbers) {
   return numbers;
 }
 
-bool beyond_chance(const Estimate& e) { return e.half_width && std::fabs(e.mean) > *e.half_width; }
+// The best of `of` differences: each has an interval at 95 % for all of them together (Bonferroni).
+bool beyond_chance(const Estimate& e, std::size_t of) {
+  if (e.count < 2 || !e.deviation) return false;
+  const double n = double(e.count);
+  const boost::math::students_t student(n - 1.0);
+  return std::fabs(e.mean) >
+         boost::math::quantile(student, 1.0 - 0.025 / double(of)) * *e.deviation / std::sqrt(n);
+}
 
 struct Finding {
   const Difference* difference;
@@ -385,6 +406,7 @@ struct Finding {
 
 Estimate scaled(Estimate e, double by) {
   e.mean *= by;
+  if (e.deviation) e.deviation = *e.deviation * std::fabs(by);
   if (e.half_width) e.half_width = *e.half_width * std::fabs(by);
   return e;
 }
@@ -424,17 +446,27 @@ std::string first_difference(const Question& q) {
   }
   std::size_t rows = std::numeric_limits<std::size_t>::max();
   for (const Json& r : results) {
-    if (!r.is_object() || !r.contains("trace")) return {};
+    // What decides at other times is not compared decision by decision.
+    if (!r.is_object() || !r.contains("trace") || r["period"] != results[0]["period"]) return {};
     rows = std::min(rows, r["trace"].size());
   }
+  if (rows == 0) return {};
+  const double period = results[0].value("period", 0.0);
   const Json& terms = results[0]["terms"];
   std::string out;
   double largest = 0.0;
   for (std::size_t k = 0; k < rows && out.empty(); ++k) {
     for (std::size_t i = 0; i < terms.size(); ++i) {
       std::vector<double> sides[2];
-      for (std::size_t r = 0; r < results.size(); ++r)
-        sides[r < count ? 0 : 1].push_back(results[r]["trace"][k][i].get<double>());
+      // By name: cards have them in orders of their own.
+      for (std::size_t r = 0; r < results.size(); ++r) {
+        const Json& names = results[r]["terms"];
+        const auto at = std::find(names.begin(), names.end(), terms[i]);
+        if (at == names.end()) continue;
+        const Json& x = results[r]["trace"][k][std::size_t(at - names.begin())];
+        if (x.is_number()) sides[r < count ? 0 : 1].push_back(x.get<double>());
+      }
+      if (sides[0].size() < count || sides[1].size() < count) continue;
       const Estimate good = estimate_of(sides[0]), bad = estimate_of(sides[1]);
       if (!good.deviation || !bad.deviation) return {};
       const double spread = std::hypot(*good.deviation, *bad.deviation) / std::sqrt(2.0);
@@ -445,15 +477,14 @@ std::string first_difference(const Question& q) {
           "From {} on, the {}, the two differ by more than other starts make them: first the {}, "
           "by "
           "{:.2g} ({:.6g} {} and {:.6g} {}), where starts spread it by {:.2g}.\n",
-          time_text(double(k) * results[0].value("period", 0.0)),
-          k == 0 ? std::string("start") : fmt::format("decision {}", k + 1),
+          time_text(double(k + 1) * period), fmt::format("decision {}", k + 2),
           one_line(terms[i].get<std::string>()), std::fabs(good.mean - bad.mean), good.mean,
           q.good_name, bad.mean, q.bad_name, spread);
     }
   }
   return out.empty()
              ? fmt::format("Up to {} the two differ by no more than other starts make them.\n",
-                           time_text(until))
+                           time_text(double(rows) * period))
              : out;
 }
 
@@ -500,7 +531,7 @@ std::string findings_text(const Question& q, const std::vector<Finding>& finding
   const bool repairs = first.repairs();
   const Estimate& carried = repairs ? first.carried_bad : first.carried_good;
   std::string out = "No single difference of these carries more of it than chance does.\n", without;
-  if (beyond_chance(carried) && carried.mean > 0.0)
+  if (beyond_chance(carried, findings.size()) && carried.mean > 0.0)
     out = fmt::format(
         "Most is carried by {}: with it {} {}, where {} without ({} of the difference).\n",
         first.difference->text, outcome_text(outcome, repairs ? first.bad : first.good),

@@ -54,7 +54,8 @@ class Trace {
             1, static_cast<std::uint64_t>(std::lround(scene.card->period / step)))) {}
 
   void see(const Frame& frame) {
-    if (frame.step % every_ != 0 || frame.time > until_ + 1e-9) return;
+    // The frame of step 0 is shown before the start that the seed draws is set.
+    if (frame.step == 0 || frame.step % every_ != 0 || frame.time > until_ + 1e-9) return;
     row_.clear();
     terms.clear();
     for (const PolicyObservation& o : scene_.card->observations) add(o, frame);

@@ -43,7 +43,7 @@ bool is_model_file(const std::string& path) {
 
 // A robot in another format, as a scene in memory that refers to its meshes where they are.
 dsl::CompileResult compile_robot(const PolicyCard& card, dsl::LoaderCatalog& catalog,
-                                 std::vector<Diagnostic>& found) {
+                                 std::vector<Diagnostic>& found, std::vector<std::string>& files) {
   dsl::CompileOptions compile;
   compile.plugins = &catalog;
   if (!is_model_file(card.robot)) return dsl::compile_file(card.robot, compile);
@@ -58,6 +58,7 @@ dsl::CompileResult compile_robot(const PolicyCard& card, dsl::LoaderCatalog& cat
                                                                      : dsl::ImportDrives::position;
   const dsl::ImportResult imported = dsl::import_model(card.robot, options);
   found.insert(found.end(), imported.diagnostics.begin(), imported.diagnostics.end());
+  files = imported.files_read;
   if (imported.scene.empty()) return {};
   if (!imported.files.empty()) {
     found.push_back(policy_finding(
@@ -101,11 +102,12 @@ const std::vector<PolicySetting> kPolicySettings = {
 Result<double> setting_number(const PolicySettings& settings, const std::string& name,
                               const std::string& unit, double other) {
   const auto found = settings.find(name);
-  if (found == settings.end()) return other;
+  if (found == settings.end() || found->second == "~") return other;
   const auto values = dsl::parse_study_values(found->second);
   if (values && values->size() == 1 && std::isfinite(values->front().number) &&
       (values->front().unit == unit ||
-       (values->front().unit.empty() && values->front().number == 0)))
+       // As in a card, where times are seconds.
+       (values->front().unit.empty() && (values->front().number == 0 || unit == "s"))))
     return values->front().number;
   return fail(fmt::format("{}={}: that is no {}", one_line(name), one_line(found->second),
                           unit.empty() ? "number" : "quantity in " + unit));
@@ -113,7 +115,9 @@ Result<double> setting_number(const PolicySettings& settings, const std::string&
 
 std::uint64_t hash_of_policy(const PolicyScene& scene) {
   std::uint64_t hash = hash_of_scene(*scene.model);
-  for (const std::string& file : {scene.card->file, scene.card->network, scene.card->robot}) {
+  std::vector<std::string> files = scene.files;
+  files.insert(files.end(), {scene.card->file, scene.card->network, scene.card->robot});
+  for (const std::string& file : files) {
     std::ifstream in(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     hash = hash_bytes(text.data(), text.size(), hash);
@@ -136,6 +140,8 @@ CardChanges card_changes(const PolicySettings& settings) {
       out.emplace_back(name, one_line(value));
     else if (name == "delay")
       out.emplace_back("actions.delay", value);
+    else if (name == "step" && value == "~")
+      out.emplace_back(name, value);
   }
   return out;
 }
@@ -256,7 +262,7 @@ PolicyScene load_policy(const std::string& path, const std::vector<std::string>&
         policy_finding(*out.card, "network", e.code, e.where + ": " + e.message, e.hint));
   }
   dsl::LoaderCatalog catalog(out.loader);
-  const dsl::CompileResult compiled = compile_robot(*out.card, catalog, out.found);
+  const dsl::CompileResult compiled = compile_robot(*out.card, catalog, out.found, out.files);
   out.found.insert(out.found.end(), compiled.diagnostics.begin(), compiled.diagnostics.end());
   out.model = compiled.model;
   if (out.model) out.robot = find_policy_robot(*out.card, *out.model, out.found);

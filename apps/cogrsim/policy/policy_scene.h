@@ -19,6 +19,7 @@ struct PolicyScene {
   PolicyRobot robot;
   CardChanges changes;  ///< of the card, as it was read
   std::vector<Diagnostic> found;
+  std::vector<std::string> files;  ///< that an imported robot was read from
 };
 
 /// What a run has in place of the card and its robot; see kPolicySettings.

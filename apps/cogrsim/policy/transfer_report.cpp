@@ -30,7 +30,8 @@ constexpr ShownMeasure kShown[] = {
 
 // "1..20", or a list.
 std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
-  if (seeds.size() > 2 && seeds.back() - seeds.front() + 1 == seeds.size())
+  if (seeds.size() > 2 && std::is_sorted(seeds.begin(), seeds.end()) &&
+      seeds.back() - seeds.front() + 1 == seeds.size())
     return fmt::format("{}..{}", seeds.front(), seeds.back());
   return fmt::format("{}", fmt::join(seeds, ","));
 }
@@ -161,7 +162,8 @@ std::string transfer_html(const SweepPlan& plan, const TransferTable& table,
   out += "<h2>Who stands</h2>\n<div class=\"scroll\"><table>";
   const auto cells = transfer_cells(plan, table);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool all = i > 0 && table.rows[i - 1].stood.good == table.rows[i - 1].stood.of;
+    const bool all = i > 0 && table.rows[i - 1].stood.of > 0 &&
+                     table.rows[i - 1].stood.good == table.rows[i - 1].stood.of;
     const std::size_t stands = cells[i].size() - std::size(kShown) - 2;
     out += i == 0 ? "<thead><tr>" : "<tr>";
     for (std::size_t c = 0; c < cells[i].size(); ++c)

@@ -74,7 +74,10 @@ Result<TransferTable> read_transfer(const SweepPlan& plan) {
     const ResultTable::Cell* stood = columns.cell(cells, "stood");
     if (stood == nullptr || !std::isfinite(stood->number)) continue;
     ++row.stood.of;
-    if (stood->number > 0.5) ++row.stood.good;
+    if (stood->number > 0.5)
+      ++row.stood.good;
+    else if (const auto* upright = columns.cell(cells, "upright"))
+      row.falls.push_back(upright->number);
     for (const PolicyMeasure& measure : kPolicyMeasures) {
       const ResultTable::Cell* cell = columns.cell(cells, measure.name);
       if (cell != nullptr && std::isfinite(cell->number))
@@ -84,7 +87,6 @@ Result<TransferTable> read_transfer(const SweepPlan& plan) {
   for (std::size_t i = 0; i < out.rows.size(); ++i) {
     for (const PolicyMeasure& measure : kPolicyMeasures)
       out.rows[i].measures[measure.name] = estimate_of(numbers[i][measure.name]);
-    out.rows[i].falls = numbers[i]["fell_at"];
   }
   return out;
 }

@@ -29,7 +29,7 @@ struct TransferRow {
   Share stood;                      ///< of the runs that were made
   std::size_t planned = 0;
   std::map<std::string, Estimate> measures;  ///< by PolicyMeasure; of the runs that have it
-  std::vector<double> falls;                 ///< times [s]; those that stand have none
+  std::vector<double> falls;                 ///< or diverges, times [s]; those that stand have none
 };
 
 struct TransferTable {

@@ -63,7 +63,8 @@ Result<> read_part(const std::string& given, Part& part) {
                 "shards are made with --shard 3/16");
   part.number = whole_number(part.shard, "number");
   part.of = whole_number(part.shard, "of");
-  if (part.number < 1 || part.number > part.of)
+  if (part.number < 1 || part.number > part.of || part.of > kMostRuns ||
+      !part.shard.contains("hash"))
     return fail(
         fmt::format("'{}' is damaged: it says to be shard {}", part.path, shard_text(part)));
   part.engines =
@@ -91,7 +92,8 @@ Result<> check_same_study(const Part& first, const Part& other) {
     return refuse(fmt::format("{}", fmt::join(different, "; ")));
   if (first.of != other.of)
     return refuse(fmt::format("one is {}, the other {}", shard_text(first), shard_text(other)));
-  if (first.shard["hash"] != other.shard["hash"]) return refuse("other values, seeds or engines");
+  if (first.shard.at("hash") != other.shard.at("hash"))
+    return refuse("other values, seeds or engines");
   for (const auto& one : first.engines) {
     for (const auto& two : other.engines) {
       if (one[0] == two[0] && one != two)
@@ -193,7 +195,9 @@ Result<SweepTable> SweepTable::merge(const std::vector<std::string>& shards,
       Statement made(pattern->get(),
                      fmt::format("SELECT sql FROM sqlite_master WHERE name = '{}'", name));
       if (!made || !made.row()) return fail(fmt::format("'{}' is damaged", first));
-      if (auto good = table.execute(made.text(0)); !good) return good;
+      Statement make(table.db_, made.text(0));  // its first statement alone: a stranger wrote it
+      make.row();
+      if (!make || !make.done()) return fail(fmt::format("'{}' is damaged", first));
     }
     if (auto good = table.take_rows(pattern->get(), first, "study"); !good) return good;
     if (auto good = table.execute("DELETE FROM study WHERE key = 'shard'"); !good) return good;

@@ -158,18 +158,21 @@ Json SweepPlan::definition() const {
 std::vector<std::string> definition_differences(const Json& then, const Json& now) {
   std::vector<std::string> out;
   const auto text = [](const Json& value) { return value.is_null() ? "none" : value.dump(); };
-  if (then["scene"] != now["scene"]) {
-    out.push_back(
-        fmt::format("the scene was {}, now it is {}", text(then["scene"]), text(now["scene"])));
-  } else if (then["scene_hash"] != now["scene_hash"]) {
+  const auto of = [](const Json& definition, const char* key) {
+    return definition.value(key, Json());
+  };
+  if (of(then, "scene") != of(now, "scene")) {
+    out.push_back(fmt::format("the scene was {}, now it is {}", text(of(then, "scene")),
+                              text(of(now, "scene"))));
+  } else if (of(then, "scene_hash") != of(now, "scene_hash")) {
     out.push_back("the scene's files have changed since");
   }
-  if (then["parameters"] != now["parameters"]) {
+  if (of(then, "parameters") != of(now, "parameters")) {
     out.push_back(fmt::format("the parameters varied were {}, now they are {}",
-                              list_of(then["parameters"]), list_of(now["parameters"])));
+                              list_of(of(then, "parameters")), list_of(of(now, "parameters"))));
   }
   for (const char* key : {"set", "step", "until", "measures", "without"}) {
-    const Json before = then.value(key, Json()), after = now.value(key, Json());
+    const Json before = of(then, key), after = of(now, key);
     if (before != after)
       out.push_back(fmt::format("{} was {}, now it is {}", key, text(before), text(after)));
   }
