@@ -128,7 +128,7 @@ class Axis {
 
   /** What PhysX has applied to the bodies, and so not to the joint. */
   get applied(): number {
-    return this.#applied + this.#coupled;
+    return this.effort(0) + this.#coupled;
   }
   /** What acts along the axis; CogRSim adds the efforts of couplings. `inJoint`: of PhysX's joint. */
   effort(inJoint: number): number {

@@ -33,6 +33,7 @@ interface Handles {
   bodies: number[];
   colliders: number[][];
   joints: number[][];
+  inertias: (number | null)[]; // by joint; as a rotor found it when it was made
 }
 
 /** So many hold a rotor of ten times the inertia that it turns to 1 %. */
@@ -297,6 +298,7 @@ class RapierWorld implements World {
       bodies: this.#bodies.map((body) => body?.handle ?? -1),
       colliders: this.#colliders,
       joints: this.#joints.handles,
+      inertias: this.#joints.axes.map((axis) => axis?.inertia ?? null),
     };
     const head = Buffer.from(JSON.stringify(handles));
     const length = Buffer.alloc(4);
@@ -314,7 +316,7 @@ class RapierWorld implements World {
     this.#ground = world.getRigidBody(handles.ground);
     this.#bodies = handles.bodies.map((h) => (h === -1 ? undefined : world.getRigidBody(h)));
     this.#colliders = handles.colliders;
-    this.#joints = makeJoints(world, this.scene, (b) => this.#bodies[b] ?? this.#ground, state, handles.joints);
+    this.#joints = makeJoints(world, this.scene, (b) => this.#bodies[b] ?? this.#ground, state, handles);
     this.#takeNumbers(state);
     this.#isPushed = true;
   }

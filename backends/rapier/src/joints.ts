@@ -218,13 +218,13 @@ export interface Joints {
   axes: (Axis | undefined)[]; // by joint
 }
 
-/** Makes the joints between `bodyOf`, or takes those of `handles`. */
+/** Makes the joints between `bodyOf`, or takes those that are known. */
 export function makeJoints(
   world: RAPIER.World,
   scene: Scene,
   bodyOf: (index: number) => RAPIER.RigidBody,
   state: State,
-  handles?: number[][],
+  known?: { joints: number[][]; inertias: (number | null)[] },
 ): Joints {
   const driven = new Set<number>();
   const taken = new Set<number>();
@@ -244,13 +244,13 @@ export function makeJoints(
     out.axes.push(undefined);
     if (joint.removed || joint.type === 'free') return;
     const make = (): RAPIER.ImpulseJoint => {
-      const known = handles?.[j][all.length];
+      const handle = known?.joints[j][all.length];
       const it =
-        known === undefined
+        handle === undefined
           ? world.createImpulseJoint(dataOf(joint), bodyOf(joint.parent), bodyOf(joint.child), true)
-          : world.getImpulseJoint(known);
+          : world.getImpulseJoint(handle);
       all.push(it.handle);
-      if (known !== undefined) return it;
+      if (handle !== undefined) return it;
       it.setLocalFrame1(...frame(joint.X_PF));
       it.setLocalFrame2(...frame(joint.X_CM));
       it.setContactsEnabled(joint.bodies_collide);
@@ -273,7 +273,7 @@ export function makeJoints(
       friction: motorIf(friction > 0),
       passive: motorIf(damping > 0 || rotor_inertia > 0),
     };
-    out.axes[j] = new Axis(joint, made, motors, inertiaOn(scene, state, joint));
+    out.axes[j] = new Axis(joint, made, motors, known?.inertias[j] ?? inertiaOn(scene, state, joint));
   });
   return out;
 }
