@@ -147,20 +147,6 @@ Json measures_json(const PolicyResult& r, bool stood) {
 
 }  // namespace
 
-const std::vector<PolicyMeasure> kPolicyMeasures = {{"stood", "1"},
-                                                    {"upright", "s"},
-                                                    {"fell_at", "s"},
-                                                    {"velocity_error", "m/s"},
-                                                    {"turning_error", "rad/s"},
-                                                    {"slip", "m/s"},
-                                                    {"mean_force", "N"},
-                                                    {"peak_force", "N"},
-                                                    {"at_limit", "1"},
-                                                    {"cost_of_transport", "1"},
-                                                    {"forward", "m/s"},
-                                                    {"leftward", "m/s"},
-                                                    {"turning", "rad/s"}};
-
 Result<std::vector<double>> parse_command(const std::string& text) {
   std::vector<double> out;
   for (const std::string& piece : split(text, ' ')) {

@@ -10,7 +10,19 @@ namespace cogrsim::cli {
 struct PolicyMeasure {
   const char *name, *unit;
 };
-extern const std::vector<PolicyMeasure> kPolicyMeasures;
+inline constexpr PolicyMeasure kPolicyMeasures[] = {{"stood", "1"},
+                                                    {"upright", "s"},
+                                                    {"fell_at", "s"},
+                                                    {"velocity_error", "m/s"},
+                                                    {"turning_error", "rad/s"},
+                                                    {"slip", "m/s"},
+                                                    {"mean_force", "N"},
+                                                    {"peak_force", "N"},
+                                                    {"at_limit", "1"},
+                                                    {"cost_of_transport", "1"},
+                                                    {"forward", "m/s"},
+                                                    {"leftward", "m/s"},
+                                                    {"turning", "rad/s"}};
 
 /// Runs a case whose scene is a card and whose parameters are PolicySettings; with `change` further ones,
 /// "friction=0.5; step=1 ms". With `trace` [s] the result has what the robot's sensors would have at each

@@ -82,23 +82,6 @@ dsl::CompileResult compile_robot(const PolicyCard& card, dsl::LoaderCatalog& cat
 
 }  // namespace
 
-const std::vector<PolicySetting> kPolicySettings = {
-    {"command", "what is asked of the policy"},
-    {"push",
-     "change of the base's velocity by a push of 0.1 s every 3 s, to a side drawn from the seed"},
-    {"friction", "factor on the friction of all surfaces"},
-    {"payload", "mass at the base's centre of mass"},
-    {"delay", "of the actions: the card's actions.delay"},
-    {"rotor-inertia", "factor on that of all joints, or a list for those of the card"},
-    {"joint-friction", "likewise"},
-    {"joint-damping", "likewise"},
-    {"contact-stiffness", "of all surfaces"},
-    {"effort", "factor on the limits of the motors' efforts"},
-    {"drives", "engine; per-step or per-decision: servos as a law of the card's, then or then"},
-    {"step", "of the physics"},
-    {"start", "0: without the disturbance that is drawn from the seed"},
-};
-
 Result<double> setting_number(const PolicySettings& settings, const std::string& name,
                               const std::string& unit, double other) {
   const auto found = settings.find(name);
@@ -134,7 +117,7 @@ namespace {
 CardChanges card_changes(const PolicySettings& settings) {
   CardChanges out;
   for (const auto& [name, value] : settings) {
-    const bool own = std::any_of(kPolicySettings.begin(), kPolicySettings.end(),
+    const bool own = std::any_of(std::begin(kPolicySettings), std::end(kPolicySettings),
                                  [&](const PolicySetting& s) { return name == s.name; });
     if (!own)
       out.emplace_back(name, one_line(value));

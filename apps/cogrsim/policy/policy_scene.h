@@ -29,7 +29,23 @@ using PolicySettings = std::map<std::string, std::string>;
 struct PolicySetting {
   const char *name, *meaning;
 };
-extern const std::vector<PolicySetting> kPolicySettings;
+// No object that ends with the program: a module that has this, too, would end it again.
+inline constexpr PolicySetting kPolicySettings[] = {
+    {"command", "what is asked of the policy"},
+    {"push",
+     "change of the base's velocity by a push of 0.1 s every 3 s, to a side drawn from the seed"},
+    {"friction", "factor on the friction of all surfaces"},
+    {"payload", "mass at the base's centre of mass"},
+    {"delay", "of the actions: the card's actions.delay"},
+    {"rotor-inertia", "factor on that of all joints, or a list for those of the card"},
+    {"joint-friction", "likewise"},
+    {"joint-damping", "likewise"},
+    {"contact-stiffness", "of all surfaces"},
+    {"effort", "factor on the limits of the motors' efforts"},
+    {"drives", "engine; per-step or per-decision: servos as a law of the card's, then or then"},
+    {"step", "of the physics"},
+    {"start", "0: without the disturbance that is drawn from the seed"},
+};
 
 /// Reads a card and all that it names, with these settings, and compares them.
 PolicyScene load_policy(const std::string& card, const std::vector<std::string>& plugin_paths,
