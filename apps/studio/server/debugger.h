@@ -50,6 +50,7 @@ class Debugger final : public Part {
 
   void post(std::function<void()> job);
   void work();
+  void attempt(const std::function<void()>& job);
   Answer answer(const Request& request);
   void attach(const std::string& controller);
   void detach(const std::string& note = {});
@@ -73,6 +74,7 @@ class Debugger final : public Part {
   State state_ = State::off;
   std::string controller_;  ///< that is debugged; "": none
   std::int64_t process_ = 0;
+  std::int64_t refused_ = 0;  ///< process that has ended, or that gdb cannot attach to
   std::unique_ptr<DebugSession> session_;
   std::uint64_t session_number_ = 0;  ///< what comes late from a gdb before is dropped
   std::vector<DebugBreakpoint> breakpoints_;
