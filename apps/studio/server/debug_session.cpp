@@ -26,6 +26,12 @@ std::string cut(std::string text) {
   return text;
 }
 
+/// As the compiler was given it; empty: it cannot be told.
+std::string full_path(const std::string& path) {
+  std::error_code error;
+  return fs::absolute(path, error).lexically_normal().string();
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// Why the system lets no debugger in, and what the user can do.
@@ -113,7 +119,7 @@ DebugSession::~DebugSession() {
 
 DebugSession::Event DebugSession::take(const MiRecord& record) {
   if (record.kind == MiRecord::Kind::log) {
-    if (complaints_.size() < 4000) complaints_ += record.what;
+    if (complaints_.size() < 4000) complaints_ += record.what.substr(0, 4000);
     return {};
   }
   if (record.kind != MiRecord::Kind::exec) return {};
@@ -244,9 +250,13 @@ void DebugSession::place(std::vector<DebugBreakpoint>& wanted) {
 void DebugSession::place_one(DebugBreakpoint& wanted) {
   wanted.placed.reset();
   wanted.id.clear();
-  std::string path = wanted.file;
+  std::string path;
   for (const SourceFolder::File& file : sources_.files())
-    if (file.name == wanted.file) path = fs::absolute(file.path).lexically_normal().string();
+    if (file.name == wanted.file) path = full_path(file.path);
+  if (path.empty()) {
+    wanted.note = "there is no such source beside the scene";
+    return;
+  }
   std::string command = "-break-insert ";
   const auto place = mi_quoted("\"" + path + "\":" + std::to_string(wanted.line));
   const auto condition = mi_quoted(wanted.condition);
@@ -293,11 +303,12 @@ void DebugSession::forget_stop() {
 /// A breakpoint for one stop, where the controller's sources are entered.
 Result<> DebugSession::stop_at_next_call() {
   std::vector<std::string> places;
-  if (!entry_.empty()) places.push_back("--function \"" + entry_ + "\"");
+  if (const auto entry = mi_quoted(entry_); !entry_.empty() && entry)
+    places.push_back("--function " + *entry);
+  const bool known = !places.empty();
   for (const SourceFolder::File& file : sources_.files()) {
-    if (!entry_.empty() || fs::path(file.name).extension() != ".cpp") continue;
-    const auto place =
-        mi_quoted("\"" + fs::absolute(file.path).lexically_normal().string() + "\":update");
+    if (known || fs::path(file.name).extension() != ".cpp") continue;
+    const auto place = mi_quoted("\"" + full_path(file.path) + "\":update");
     if (place) places.push_back(*place);
   }
   for (const std::string& place : places) {
