@@ -342,6 +342,27 @@ TEST_CASE("a controller that runs in the debugger is stopped and restarted at on
   }
 }
 
+TEST_CASE("a watched call that does not return ends gdb alone", "[studio][build][debug]") {
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("gdb reads the sanitizers' memory for minutes");
+  if (!gdb_is_there()) COGRSIM_SKIP("there is no gdb (Debian: apt install gdb)");
+  Bench bench;
+  LivePage& page = *bench.page;
+  bench.build();
+  page.get("debug-breakpoints", {{"breakpoints", {breakpoint(15)}}});
+  const Json attached = bench.attach();
+  if (attached["state"] == "waiting") COGRSIM_SKIP(attached["note"].get<std::string>());
+  page.get("play");
+  bench.stands(15);
+  const Json refused = page.ask("debug-evaluate", {{"expression", "(int)pause()"}});
+  REQUIRE(refused["ok"] == false);
+  CHECK_THAT(refused["error"]["message"].get<std::string>(), Contains("in time and was ended"));
+  CHECK_THAT(refused["error"]["help"].get<std::string>(), Contains("press Debug again"));
+  CHECK_THAT(bench.debug("off")["note"].get<std::string>(), Contains("gdb has ended"));
+  CHECK(children_running(bench.studio->pid(), "gdb").empty());
+  page.get("stop");
+  CHECK(bench.attach()["state"] == "running");
+}
+
 TEST_CASE("the debugger is not for strangers, and says what it needs", "[studio][program][debug]") {
   const std::string scene = R"(<scene name="yard" version="1">
   <physics backend="bullet" step="1 ms"/>

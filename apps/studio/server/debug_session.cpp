@@ -102,12 +102,14 @@ Result<> DebugSession::prepare(int process) {
         gdb_->command(fmt::format("-interpreter-exec console \"skip -rfu ^{}::\"", skipped)));
   auto attached = gdb_->command(fmt::format("-target-attach {}", process), kToAttach);
   if (!attached) return tl::unexpected(refused(attached.error().message, process));
-  if (!gdb_->wait_until_stopped(kToAttach)) return fail("the process did not stop for gdb");
+  if (!gdb_->wait_until_stopped(kToAttach))
+    return fail("the process did not stop for gdb", "", "press End, then Restart, then Debug");
+  attached_ = true;
   return {};
 }
 
 DebugSession::~DebugSession() {
-  if (!gdb_ || !gdb_->alive()) return;
+  if (!attached_ || !gdb_->alive()) return;
   if (!gdb_->stopped()) {
     static_cast<void>(gdb_->command("-exec-interrupt", kToStop));
     gdb_->wait_until_stopped(kToStop);
@@ -261,7 +263,7 @@ void DebugSession::place_one(DebugBreakpoint& wanted) {
   const auto place = mi_quoted("\"" + path + "\":" + std::to_string(wanted.line));
   const auto condition = mi_quoted(wanted.condition);
   if (!place || !condition) {
-    wanted.note = "it has a character that gdb cannot be given";
+    wanted.note = (place ? condition : place).error().message;
     return;
   }
   if (!wanted.condition.empty()) command += "-c " + *condition + " ";
@@ -327,7 +329,7 @@ Result<> DebugSession::run(const std::string& how) {
     if (auto done = gdb_->command("-exec-interrupt"); !done) return tl::unexpected(done.error());
     return {};
   }
-  if (!stands()) return fail("the controller runs already");
+  if (!stands()) return fail("the controller runs already", "", "pause it, or set a breakpoint");
   forget_stop();
   const char* const command = how == "over"   ? "-exec-next"
                               : how == "into" ? "-exec-step"
@@ -364,11 +366,13 @@ Answer DebugSession::variables(int frame) {
   if (!found) return tl::unexpected(found.error());
   Json out = Json::array();
   std::vector<std::string> seen;
+  bool more = false;
   for (const Json& one : found->value("variables", Json::array())) {
     const std::string name = mi_text(one, "name");
     // Of blocks in each other, the innermost comes first: the others are hidden in the code, too.
-    if (out.size() >= kMostVariables || std::find(seen.begin(), seen.end(), name) != seen.end())
-      continue;
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
+    more = out.size() >= kMostVariables;
+    if (more) break;
     seen.push_back(name);
     auto variable = variable_of(name, frame, mi_text(one, "arg") == "1");
     out.push_back(variable ? std::move(*variable)
@@ -378,7 +382,7 @@ Answer DebugSession::variables(int frame) {
                                   {"argument", false},
                                   {"children", ""}});
   }
-  return Json{{"variables", std::move(out)}, {"more", false}};
+  return Json{{"variables", std::move(out)}, {"more", more}};
 }
 
 Result<bool> DebugSession::list_children(const std::string& variable, Json& out, int depth) {

@@ -86,6 +86,7 @@ class DebugSession {
 
   const SourceFolder& sources_;
   std::unique_ptr<GdbClient> gdb_;
+  bool attached_ = false;
   std::map<std::string, std::string> names_;       ///< paths of the compiler to names of sources
   std::map<std::string, DebugBreakpoint> placed_;  ///< by gdb's number
   std::vector<std::string> passing_;               ///< numbers of breakpoints for one stop
