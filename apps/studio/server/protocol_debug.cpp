@@ -80,7 +80,7 @@ void add_debug_types(std::vector<ProtocolType>& types) {
          {"line", "integer", "where it is wanted"},
          {"condition", "string"},
          {"placed", "integer | null", "the line where it is"},
-         {"note", "string", "why it is not there"}}},
+         {"note", "string", "why it is not there, or not where it was wanted"}}},
        {"DebugFrame",
         "",
         {{"function", "string"},

@@ -689,7 +689,7 @@ export interface DebugBreakpoint {
   condition: string;
   /** the line where it is */
   placed: number | null;
-  /** why it is not there */
+  /** why it is not there, or not where it was wanted */
   note: string;
 }
 
