@@ -62,10 +62,7 @@ Error refused(const std::string& said, int process) {
 }  // namespace
 
 Json to_json(const DebugFrame& frame) {
-  return {{"function", frame.function},
-          {"file", frame.file},
-          {"path", frame.path},
-          {"line", frame.line}};
+  return {{"function", frame.function}, {"file", frame.file}, {"line", frame.line}};
 }
 
 Json to_json(const DebugBreakpoint& breakpoint) {
@@ -76,11 +73,10 @@ Json to_json(const DebugBreakpoint& breakpoint) {
           {"note", breakpoint.note}};
 }
 
-Result<std::unique_ptr<DebugSession>> DebugSession::attach(const std::string& program, int process,
-                                                           const SourceFolder& sources,
+Result<std::unique_ptr<DebugSession>> DebugSession::attach(int process, const SourceFolder& sources,
                                                            GdbClient::Listener listener) {
   std::unique_ptr<DebugSession> session(new DebugSession(sources));
-  auto gdb = GdbClient::start(program, std::move(listener));
+  auto gdb = GdbClient::start("gdb", std::move(listener));
   if (!gdb) return tl::unexpected(gdb.error());
   session->gdb_ = std::move(*gdb);
   if (auto good = session->prepare(process); !good) return tl::unexpected(good.error());
@@ -89,8 +85,8 @@ Result<std::unique_ptr<DebugSession>> DebugSession::attach(const std::string& pr
 
 Result<> DebugSession::prepare(int process) {
   // Commands may come while the process runs; nothing asks, and nothing is downloaded.
-  for (const char* setting : {"mi-async on", "confirm off", "width 0", "height 0",
-                              "print elements 200", "auto-load local-gdbinit off"}) {
+  for (const char* setting :
+       {"mi-async on", "confirm off", "width 0", "height 0", "print elements 200"}) {
     if (auto good = gdb_->command(std::string("-gdb-set ") + setting); !good)
       return tl::unexpected(good.error());
   }

@@ -14,6 +14,8 @@ namespace {
 
 /// A run does not wait for gdb for longer than this before it goes on without it.
 constexpr auto kRunWaits = std::chrono::seconds(30);
+/// Pages that are loaded again are back by then.
+constexpr auto kOperatorsAway = std::chrono::seconds(10);
 constexpr std::size_t kMostValues = 64;  // of a sensor
 
 }  // namespace
@@ -211,8 +213,7 @@ void Debugger::follow_process() {
       if (number == session_number_) debugger_ended(how);
     });
   };
-  auto attached =
-      DebugSession::attach(options_.gdb, static_cast<int>(process_), sources_, std::move(listener));
+  auto attached = DebugSession::attach(static_cast<int>(process_), sources_, std::move(listener));
   if (!attached) {
     refused_ = process_;
     return drop_session(attached.error().message, attached.error().hint);
@@ -287,7 +288,6 @@ void Debugger::take(const MiRecord& record) {
 }
 
 void Debugger::debugger_ended(const std::string& how) {
-  const std::string was = controller_;
   drop_session(
       "gdb has ended (" + how + ")",
       "press Debug again; if the controller then ends by SIGTRAP, a breakpoint was left in "
@@ -312,7 +312,7 @@ void Debugger::left(ClientId client) {
   if (!options_.allowed) return;
   post([this, client] {
     if (operators_.erase(client) > 0 && operators_.empty() && !controller_.empty())
-      leave_at_ = Clock::now() + options_.left;
+      leave_at_ = Clock::now() + kOperatorsAway;
   });
 }
 

@@ -23,10 +23,8 @@
 namespace cogrsim::studio {
 
 struct DebuggerOptions {
-  std::string folder;       ///< the scene's, with the controllers' sources
-  bool allowed = false;     ///< the user lets pages build and debug
-  std::string gdb = "gdb";  ///< program; an environment variable of tests replaces it
-  std::chrono::milliseconds left = std::chrono::seconds(10);  ///< see Debugger::left()
+  std::string folder;    ///< the scene's, with the controllers' sources
+  bool allowed = false;  ///< the user lets pages build and debug
 };
 
 /// gdb is started when a controller is debugged, and ends with that. All on a thread of its own.

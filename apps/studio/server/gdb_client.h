@@ -42,7 +42,6 @@ class GdbClient {
   bool stopped() const;
   bool wait_until_stopped(std::chrono::milliseconds patience) const;
   bool alive() const;
-  pid_t pid() const { return process_; }
 
  private:
   explicit GdbClient(Listener listener) : listener_(std::move(listener)) {}

@@ -85,7 +85,6 @@ void add_debug_types(std::vector<ProtocolType>& types) {
         "",
         {{"function", "string"},
          {"file", "string", "as in `sources`; \"\": not one of them"},
-         {"path", "string", "\"\": no debug information"},
          {"line", "integer", "0: not known"}}},
        {"DebugVariable",
         "",

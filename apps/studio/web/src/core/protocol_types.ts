@@ -697,8 +697,6 @@ export interface DebugFrame {
   function: string;
   /** as in `sources`; "": not one of them */
   file: string;
-  /** "": no debug information */
-  path: string;
   /** 0: not known */
   line: number;
 }
