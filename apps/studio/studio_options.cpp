@@ -102,7 +102,7 @@ void add_studio(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"process", "none"}));
   command.add_flag(
       "--allow-build", arguments->options.allow_build,
-      "Let the page build the controllers beside the scene, which runs their code");
+      "Let the page build and debug the controllers beside the scene, which runs their code");
   cli::add_list(command, "--plugin-path", arguments->options.plugin_paths,
                 "Folder in which plugins and backends are looked for first; may be repeated",
                 "DIR");

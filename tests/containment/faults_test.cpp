@@ -72,7 +72,8 @@ TEST_CASE("the end of a controller's process is reported and does not end the ru
 }
 
 TEST_CASE("one that does not come back is killed at its deadline", "[containment]") {
-  const std::string what = GENERATE("hang", "spin", "stop");
+  const std::string what =
+      GENERATE("hang", "spin", "stop", "traced-by-watchdog", "traced-by-child");
   ControllerModel controller = trouble(what);
   controller.deadline = 0.3;
   auto simulation = simulate(flywheel(controller), "bullet");

@@ -105,4 +105,6 @@ TEST_CASE("numbers and texts of records are taken with care", "[studio][debug]")
   CHECK(*mi_quoted(R"(a "b" \c)") == R"("a \"b\" \\c")");
   CHECK_FALSE(mi_quoted("a\n-gdb-exit"));
   CHECK_FALSE(mi_quoted(std::string_view("a\0b", 3)));
+  CHECK(mi_quoted(std::string(10'000, 'a')));
+  CHECK_FALSE(mi_quoted(std::string(10'001, 'a')));
 }

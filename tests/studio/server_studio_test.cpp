@@ -123,6 +123,26 @@ TEST_CASE("viewers are refused what operators may do", "[studio][requests]") {
   CHECK(operator_.ask(play)["ok"] == true);
 }
 
+TEST_CASE("viewers neither build nor debug", "[studio][requests][debug]") {
+  Bench viewer(Role::viewer), operator_;
+  std::size_t found = 0;
+  for (const ProtocolRequest& request : protocol_requests()) {
+    if (request.section != Section::debug) continue;
+    INFO(request.name);
+    ++found;
+    const std::string text = Json{{"id", 5}, {"do", request.name}}.dump();
+    CHECK(viewer.ask(text)["error"]["code"] == "viewer");
+    // An operator's is looked at.
+    CHECK(operator_.ask(text).dump().find("viewer") == std::string::npos);
+  }
+  CHECK(found == 7);
+  for (const char* name : {"build", "save-source"}) {
+    INFO(name);
+    REQUIRE(find_request(name));
+    CHECK_FALSE(find_request(name)->viewers);
+  }
+}
+
 TEST_CASE("malformed requests are answered with their error", "[studio][requests]") {
   Bench bench;
   const auto message = [&](const std::string& text) {

@@ -157,8 +157,10 @@ TEST_CASE("a controller is debugged from its source", "[studio][build][debug]") 
   bench.build();
 
   // Breakpoints are there before the debugger, and say where they went.
+  Json elsewhere = breakpoint(1);
+  elsewhere["file"] = "/etc/hosts";
   page.get("debug-breakpoints",
-           {{"breakpoints", {breakpoint(15), breakpoint(17), breakpoint(900)}}});
+           {{"breakpoints", {breakpoint(15), breakpoint(17), breakpoint(900), elsewhere}}});
   const Json attached = bench.attach();
   if (attached["state"] == "waiting")
     COGRSIM_SKIP(attached["note"].get<std::string>() + ": " + attached["help"].get<std::string>());
@@ -169,6 +171,7 @@ TEST_CASE("a controller is debugged from its source", "[studio][build][debug]") 
   CHECK(attached["breakpoints"][1]["note"] == "line 17 has no code: it is at line 18");
   CHECK(attached["breakpoints"][2]["placed"].is_null());
   CHECK(attached["breakpoints"][2]["note"] == "there is no code on this line or below it");
+  CHECK(attached["breakpoints"][3]["note"] == "there is no such source beside the scene");
   CHECK(page.ask("debug-variables")["ok"] == false);
 
   // The world waits at the first, far longer than the deadline.
@@ -313,6 +316,51 @@ TEST_CASE("a crash in the debugger shows its line, and a new process is debugged
   REQUIRE(last.size() == 1);
   CHECK(bench.studio->end() == 0);
   CHECK(::kill(last[0], 0) != 0);
+}
+
+TEST_CASE("a controller that runs in the debugger is stopped and restarted at once",
+          "[studio][build][debug]") {
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("gdb reads the sanitizers' memory for minutes");
+  if (!gdb_is_there()) COGRSIM_SKIP("there is no gdb (Debian: apt install gdb)");
+  Bench bench;
+  LivePage& page = *bench.page;
+  bench.build();
+  Json attached = bench.attach();
+  if (attached["state"] == "waiting") COGRSIM_SKIP(attached["note"].get<std::string>());
+  for (const std::string what : {"stop", "restart"}) {
+    INFO(what);
+    REQUIRE(attached["state"] == "running");
+    const Json process = attached["process"];
+    page.get("play");
+    page.wait("status", [](const Json& s) { return s["time"].get<double>() > 0.1; });
+    const auto begin = std::chrono::steady_clock::now();
+    page.get(what);
+    attached = bench.debug(
+        [&](const Json& d) { return d["state"] == "running" && d["process"] != process; });
+    // The run waits 30 s for a debugger that waits for the run.
+    CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
+  }
+}
+
+TEST_CASE("a watched call that does not return ends gdb alone", "[studio][build][debug]") {
+  if (cogrsim::test::kSanitized) COGRSIM_SKIP("gdb reads the sanitizers' memory for minutes");
+  if (!gdb_is_there()) COGRSIM_SKIP("there is no gdb (Debian: apt install gdb)");
+  Bench bench;
+  LivePage& page = *bench.page;
+  bench.build();
+  page.get("debug-breakpoints", {{"breakpoints", {breakpoint(15)}}});
+  const Json attached = bench.attach();
+  if (attached["state"] == "waiting") COGRSIM_SKIP(attached["note"].get<std::string>());
+  page.get("play");
+  bench.stands(15);
+  const Json refused = page.ask("debug-evaluate", {{"expression", "(int)pause()"}});
+  REQUIRE(refused["ok"] == false);
+  CHECK_THAT(refused["error"]["message"].get<std::string>(), Contains("in time and was ended"));
+  CHECK_THAT(refused["error"]["help"].get<std::string>(), Contains("press Debug again"));
+  CHECK_THAT(bench.debug("off")["note"].get<std::string>(), Contains("gdb has ended"));
+  CHECK(children_running(bench.studio->pid(), "gdb").empty());
+  page.get("stop");
+  CHECK(bench.attach()["state"] == "running");
 }
 
 TEST_CASE("the debugger is not for strangers, and says what it needs", "[studio][program][debug]") {

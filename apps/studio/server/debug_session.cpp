@@ -26,6 +26,12 @@ std::string cut(std::string text) {
   return text;
 }
 
+/// As the compiler was given it; empty: it cannot be told.
+std::string full_path(const std::string& path) {
+  std::error_code error;
+  return fs::absolute(path, error).lexically_normal().string();
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// Why the system lets no debugger in, and what the user can do.
@@ -56,10 +62,7 @@ Error refused(const std::string& said, int process) {
 }  // namespace
 
 Json to_json(const DebugFrame& frame) {
-  return {{"function", frame.function},
-          {"file", frame.file},
-          {"path", frame.path},
-          {"line", frame.line}};
+  return {{"function", frame.function}, {"file", frame.file}, {"line", frame.line}};
 }
 
 Json to_json(const DebugBreakpoint& breakpoint) {
@@ -70,11 +73,10 @@ Json to_json(const DebugBreakpoint& breakpoint) {
           {"note", breakpoint.note}};
 }
 
-Result<std::unique_ptr<DebugSession>> DebugSession::attach(const std::string& program, int process,
-                                                           const SourceFolder& sources,
+Result<std::unique_ptr<DebugSession>> DebugSession::attach(int process, const SourceFolder& sources,
                                                            GdbClient::Listener listener) {
   std::unique_ptr<DebugSession> session(new DebugSession(sources));
-  auto gdb = GdbClient::start(program, std::move(listener));
+  auto gdb = GdbClient::start("gdb", std::move(listener));
   if (!gdb) return tl::unexpected(gdb.error());
   session->gdb_ = std::move(*gdb);
   if (auto good = session->prepare(process); !good) return tl::unexpected(good.error());
@@ -83,8 +85,8 @@ Result<std::unique_ptr<DebugSession>> DebugSession::attach(const std::string& pr
 
 Result<> DebugSession::prepare(int process) {
   // Commands may come while the process runs; nothing asks, and nothing is downloaded.
-  for (const char* setting : {"mi-async on", "confirm off", "width 0", "height 0",
-                              "print elements 200", "auto-load local-gdbinit off"}) {
+  for (const char* setting :
+       {"mi-async on", "confirm off", "width 0", "height 0", "print elements 200"}) {
     if (auto good = gdb_->command(std::string("-gdb-set ") + setting); !good)
       return tl::unexpected(good.error());
   }
@@ -96,12 +98,14 @@ Result<> DebugSession::prepare(int process) {
         gdb_->command(fmt::format("-interpreter-exec console \"skip -rfu ^{}::\"", skipped)));
   auto attached = gdb_->command(fmt::format("-target-attach {}", process), kToAttach);
   if (!attached) return tl::unexpected(refused(attached.error().message, process));
-  if (!gdb_->wait_until_stopped(kToAttach)) return fail("the process did not stop for gdb");
+  if (!gdb_->wait_until_stopped(kToAttach))
+    return fail("the process did not stop for gdb", "", "press End, then Restart, then Debug");
+  attached_ = true;
   return {};
 }
 
 DebugSession::~DebugSession() {
-  if (!gdb_ || !gdb_->alive()) return;
+  if (!attached_ || !gdb_->alive()) return;
   if (!gdb_->stopped()) {
     static_cast<void>(gdb_->command("-exec-interrupt", kToStop));
     gdb_->wait_until_stopped(kToStop);
@@ -113,7 +117,7 @@ DebugSession::~DebugSession() {
 
 DebugSession::Event DebugSession::take(const MiRecord& record) {
   if (record.kind == MiRecord::Kind::log) {
-    if (complaints_.size() < 4000) complaints_ += record.what;
+    if (complaints_.size() < 4000) complaints_ += record.what.substr(0, 4000);
     return {};
   }
   if (record.kind != MiRecord::Kind::exec) return {};
@@ -244,14 +248,18 @@ void DebugSession::place(std::vector<DebugBreakpoint>& wanted) {
 void DebugSession::place_one(DebugBreakpoint& wanted) {
   wanted.placed.reset();
   wanted.id.clear();
-  std::string path = wanted.file;
+  std::string path;
   for (const SourceFolder::File& file : sources_.files())
-    if (file.name == wanted.file) path = fs::absolute(file.path).lexically_normal().string();
+    if (file.name == wanted.file) path = full_path(file.path);
+  if (path.empty()) {
+    wanted.note = "there is no such source beside the scene";
+    return;
+  }
   std::string command = "-break-insert ";
   const auto place = mi_quoted("\"" + path + "\":" + std::to_string(wanted.line));
   const auto condition = mi_quoted(wanted.condition);
   if (!place || !condition) {
-    wanted.note = "it has a character that gdb cannot be given";
+    wanted.note = (place ? condition : place).error().message;
     return;
   }
   if (!wanted.condition.empty()) command += "-c " + *condition + " ";
@@ -293,11 +301,12 @@ void DebugSession::forget_stop() {
 /// A breakpoint for one stop, where the controller's sources are entered.
 Result<> DebugSession::stop_at_next_call() {
   std::vector<std::string> places;
-  if (!entry_.empty()) places.push_back("--function \"" + entry_ + "\"");
+  if (const auto entry = mi_quoted(entry_); !entry_.empty() && entry)
+    places.push_back("--function " + *entry);
+  const bool known = !places.empty();
   for (const SourceFolder::File& file : sources_.files()) {
-    if (!entry_.empty() || fs::path(file.name).extension() != ".cpp") continue;
-    const auto place =
-        mi_quoted("\"" + fs::absolute(file.path).lexically_normal().string() + "\":update");
+    if (known || fs::path(file.name).extension() != ".cpp") continue;
+    const auto place = mi_quoted("\"" + full_path(file.path) + "\":update");
     if (place) places.push_back(*place);
   }
   for (const std::string& place : places) {
@@ -316,7 +325,7 @@ Result<> DebugSession::run(const std::string& how) {
     if (auto done = gdb_->command("-exec-interrupt"); !done) return tl::unexpected(done.error());
     return {};
   }
-  if (!stands()) return fail("the controller runs already");
+  if (!stands()) return fail("the controller runs already", "", "pause it, or set a breakpoint");
   forget_stop();
   const char* const command = how == "over"   ? "-exec-next"
                               : how == "into" ? "-exec-step"
@@ -353,11 +362,13 @@ Answer DebugSession::variables(int frame) {
   if (!found) return tl::unexpected(found.error());
   Json out = Json::array();
   std::vector<std::string> seen;
+  bool more = false;
   for (const Json& one : found->value("variables", Json::array())) {
     const std::string name = mi_text(one, "name");
     // Of blocks in each other, the innermost comes first: the others are hidden in the code, too.
-    if (out.size() >= kMostVariables || std::find(seen.begin(), seen.end(), name) != seen.end())
-      continue;
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) continue;
+    more = out.size() >= kMostVariables;
+    if (more) break;
     seen.push_back(name);
     auto variable = variable_of(name, frame, mi_text(one, "arg") == "1");
     out.push_back(variable ? std::move(*variable)
@@ -367,7 +378,7 @@ Answer DebugSession::variables(int frame) {
                                   {"argument", false},
                                   {"children", ""}});
   }
-  return Json{{"variables", std::move(out)}, {"more", false}};
+  return Json{{"variables", std::move(out)}, {"more", more}};
 }
 
 Result<bool> DebugSession::list_children(const std::string& variable, Json& out, int depth) {

@@ -46,8 +46,7 @@ class DebugSession {
  public:
   /// Attaches to a process, which stands then. Errors: gdb is missing, or the system does not let it;
   /// the hint is the cure.
-  static Result<std::unique_ptr<DebugSession>> attach(const std::string& program, int process,
-                                                      const SourceFolder& sources,
+  static Result<std::unique_ptr<DebugSession>> attach(int process, const SourceFolder& sources,
                                                       GdbClient::Listener listener);
   /// Detaches: the process goes on.
   ~DebugSession();
@@ -68,7 +67,6 @@ class DebugSession {
   Answer children(const std::string& variable);
   Answer evaluate(const std::string& expression, int frame);
   bool stands() const { return gdb_ && gdb_->stopped(); }
-  pid_t debugger() const { return gdb_ ? gdb_->pid() : 0; }
 
  private:
   explicit DebugSession(const SourceFolder& sources) : sources_(sources) {}
@@ -86,6 +84,7 @@ class DebugSession {
 
   const SourceFolder& sources_;
   std::unique_ptr<GdbClient> gdb_;
+  bool attached_ = false;
   std::map<std::string, std::string> names_;       ///< paths of the compiler to names of sources
   std::map<std::string, DebugBreakpoint> placed_;  ///< by gdb's number
   std::vector<std::string> passing_;               ///< numbers of breakpoints for one stop

@@ -14,6 +14,8 @@ namespace {
 
 /// A run does not wait for gdb for longer than this before it goes on without it.
 constexpr auto kRunWaits = std::chrono::seconds(30);
+/// Pages that are loaded again are back by then.
+constexpr auto kOperatorsAway = std::chrono::seconds(10);
 constexpr std::size_t kMostValues = 64;  // of a sensor
 
 }  // namespace
@@ -63,9 +65,18 @@ void Debugger::work() {
       job = std::move(jobs_.front());
       jobs_.pop_front();
     }
-    job();
+    attempt(job);
   }
   session_.reset();
+}
+
+/// What goes wrong unforeseen ends the debugging, and not the studio.
+void Debugger::attempt(const std::function<void()>& job) {
+  try {
+    job();
+  } catch (const std::exception& e) {
+    detach(std::string("the debugger failed: ") + e.what());
+  }
 }
 
 // ---- requests
@@ -74,7 +85,11 @@ void Debugger::handle(Request request, Reply reply) {
   if (!options_.allowed)
     return reply(fail("nothing is debugged from the page", "",
                       "start the studio with --allow-build", "not-allowed"));
-  post([this, request = std::move(request), reply = std::move(reply)] { reply(answer(request)); });
+  post([this, request = std::move(request), reply = std::move(reply)] {
+    Answer out = fail("the debugger failed", "", "press Debug again");
+    attempt([&] { out = answer(request); });
+    reply(std::move(out));
+  });
 }
 
 Answer Debugger::answer(const Request& request) {
@@ -119,11 +134,14 @@ void Debugger::attach(const std::string& controller) {
   detach();
   controller_ = controller;
   follow_process();
+  // The run tells of no controller that a supervisor has added or restarted.
+  run_.ask_processes();
 }
 
 void Debugger::detach(const std::string& note) {
   ++session_number_;
   session_.reset();
+  refused_ = 0;
   if (controller_.empty() && state_ == State::off) return;
   controller_.clear();
   process_ = 0;
@@ -171,6 +189,7 @@ void Debugger::follow_process() {
         "Restart gives it another one when a fault has ended it; with isolation=\"none\" it cannot "
         "be debugged here");
   }
+  if (wanted->process == refused_) return;
   ++session_number_;
   session_.reset();
   process_ = wanted->process;
@@ -183,6 +202,8 @@ void Debugger::follow_process() {
   const auto number = session_number_;
   GdbClient::Listener listener;
   listener.record = [this, number](MiRecord record) {
+    // Of what the debugged program makes gdb write, the rest is not even queued.
+    if (record.kind != MiRecord::Kind::exec && record.kind != MiRecord::Kind::log) return;
     post([this, number, record = std::move(record)] {
       if (number == session_number_) take(record);
     });
@@ -192,9 +213,11 @@ void Debugger::follow_process() {
       if (number == session_number_) debugger_ended(how);
     });
   };
-  auto attached =
-      DebugSession::attach(options_.gdb, static_cast<int>(process_), sources_, std::move(listener));
-  if (!attached) return drop_session(attached.error().message, attached.error().hint);
+  auto attached = DebugSession::attach(static_cast<int>(process_), sources_, std::move(listener));
+  if (!attached) {
+    refused_ = process_;
+    return drop_session(attached.error().message, attached.error().hint);
+  }
   session_ = std::move(*attached);
   session_->place(breakpoints_);
   note_ = stale_sources(wanted->library);
@@ -228,7 +251,7 @@ void Debugger::processes_changed(const std::vector<ControllerProcess>& now) {
     number = ++processes_number_;
   }
   post([this, number] {
-    follow_process();
+    attempt([this] { follow_process(); });
     const std::lock_guard lock(mutex_);
     processes_done_ = number;
     news_.notify_all();
@@ -255,16 +278,16 @@ void Debugger::take(const MiRecord& record) {
       held_ = run_.held_call(controller_);
       return publish();
     case DebugSession::Event::Kind::ended:
+      refused_ = process_;
       drop_session("the controller's process " + event.ending,
                    "Restart gives it another one, which is debugged again");
       // A restart by the run itself has given it another process already.
-      run_.watch_processes([this](const auto& processes) { processes_changed(processes); });
+      run_.ask_processes();
       return;
   }
 }
 
 void Debugger::debugger_ended(const std::string& how) {
-  const std::string was = controller_;
   drop_session(
       "gdb has ended (" + how + ")",
       "press Debug again; if the controller then ends by SIGTRAP, a breakpoint was left in "
@@ -289,7 +312,7 @@ void Debugger::left(ClientId client) {
   if (!options_.allowed) return;
   post([this, client] {
     if (operators_.erase(client) > 0 && operators_.empty() && !controller_.empty())
-      leave_at_ = Clock::now() + options_.left;
+      leave_at_ = Clock::now() + kOperatorsAway;
   });
 }
 

@@ -23,10 +23,8 @@
 namespace cogrsim::studio {
 
 struct DebuggerOptions {
-  std::string folder;       ///< the scene's, with the controllers' sources
-  bool allowed = false;     ///< the user lets pages build and debug
-  std::string gdb = "gdb";  ///< program; an environment variable of tests replaces it
-  std::chrono::milliseconds left = std::chrono::seconds(10);  ///< see Debugger::left()
+  std::string folder;    ///< the scene's, with the controllers' sources
+  bool allowed = false;  ///< the user lets pages build and debug
 };
 
 /// gdb is started when a controller is debugged, and ends with that. All on a thread of its own.
@@ -50,6 +48,7 @@ class Debugger final : public Part {
 
   void post(std::function<void()> job);
   void work();
+  void attempt(const std::function<void()>& job);
   Answer answer(const Request& request);
   void attach(const std::string& controller);
   void detach(const std::string& note = {});
@@ -73,6 +72,7 @@ class Debugger final : public Part {
   State state_ = State::off;
   std::string controller_;  ///< that is debugged; "": none
   std::int64_t process_ = 0;
+  std::int64_t refused_ = 0;  ///< process that has ended, or that gdb cannot attach to
   std::unique_ptr<DebugSession> session_;
   std::uint64_t session_number_ = 0;  ///< what comes late from a gdb before is dropped
   std::vector<DebugBreakpoint> breakpoints_;

@@ -50,8 +50,9 @@ class Engine {
   void pause(const Reply& reply);
   /// Ends the process of the controller that does not return. From any thread.
   Answer end_controller();
-  /// See Run::watch_processes() and Run::held_call().
+  /// See Run.
   void watch_processes(Run::ProcessListener changed);
+  void ask_processes();
   std::optional<HeldCall> held_call(const std::string& controller) const;
   /// See Run::finish().
   std::string finish();

@@ -58,6 +58,10 @@ void Engine::watch_processes(Run::ProcessListener changed) {
     processes_changed_ = std::move(changed);
     if (!processes_changed_) return;
   }
+  ask_processes();
+}
+
+void Engine::ask_processes() {
   post([this] { tell_processes(); });
 }
 
@@ -68,7 +72,9 @@ void Engine::tell_processes() {
 
 std::optional<HeldCall> Engine::held_call(const std::string& controller) const {
   std::optional<HeldCall> out;
-  watch_.during([&] {
+  watch_.during([&](const PluginWatch::Call& call) {
+    // It may stand outside its update: then the run goes on, and changes what would be read here.
+    if (call.kind != "controller" || call.name != controller) return;
     if (!simulation_) return;  // its first controllers are being made
     const SceneModel& model = *simulation_->model();
     const auto found = std::find_if(

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <cerrno>
@@ -26,6 +27,8 @@ Result<std::unique_ptr<GdbClient>> GdbClient::start(const std::string& program, 
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     return fail(std::string("gdb cannot be started: ") + std::strerror(errno));
   client->socket_ = ends[0];
+  const timeval patience = {5, 0};  // a gdb that is busy reads nothing
+  ::setsockopt(ends[0], SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
@@ -80,20 +83,23 @@ bool GdbClient::write(std::string_view text) {
 Result<Json> GdbClient::command(const std::string& text, std::chrono::milliseconds patience) {
   const std::string verb = text.substr(0, text.find(' '));
   std::unique_lock lock(mutex_);
-  if (ended_) return fail("the debugger has ended", "", "attach again");
+  if (ended_) return fail("the debugger has ended", "", "press Debug again");
   const std::uint64_t token = ++last_token_;
   results_[token] = std::nullopt;
   lock.unlock();
   const bool sent = write(std::to_string(token) + text + "\n");
   lock.lock();
-  const bool answered =
-      sent && news_.wait_for(lock, patience, [&] { return ended_ || results_[token].has_value(); });
+  if (sent) news_.wait_for(lock, patience, [&] { return ended_ || results_[token].has_value(); });
   const std::optional<MiRecord> result = std::move(results_[token]);
   results_.erase(token);
   if (!result) {
-    if (sent && !answered)
-      return fail("gdb did not answer '" + verb + "' in time", "", "detach, and attach again");
-    return fail("the debugger has ended", "", "attach again");
+    if (ended_) return fail("the debugger has ended", "", "press Debug again");
+    // It waits for a call that does not return, and would at every command to come.
+    ::kill(process_, SIGINT);
+    ::shutdown(socket_, SHUT_RDWR);
+    ended_ = true;
+    return fail("gdb did not answer '" + verb + "' in time and was ended", "",
+                "press Debug again; do not watch calls that do not return");
   }
   if (result->what == "error") {
     std::string said = mi_text(result->fields, "msg");

@@ -34,14 +34,14 @@ class GdbClient {
   GdbClient& operator=(const GdbClient&) = delete;
 
   /// Sends a command ("-exec-continue"), which has no line end in it, and waits for its result: the
-  /// fields of `^done` or `^running`. Errors: gdb's message, gdb has ended, or it does not answer.
+  /// fields of `^done` or `^running`. Errors: gdb's message, gdb has ended, or it does not answer, and
+  /// is ended.
   Result<Json> command(const std::string& text,
                        std::chrono::milliseconds patience = std::chrono::seconds(20));
   /// Whether the debugged process stands: what the last `*stopped` or `*running` said.
   bool stopped() const;
   bool wait_until_stopped(std::chrono::milliseconds patience) const;
   bool alive() const;
-  pid_t pid() const { return process_; }
 
  private:
   explicit GdbClient(Listener listener) : listener_(std::move(listener)) {}

@@ -174,7 +174,10 @@ Result<MiRecord> read_mi_record(std::string_view line) {
   return Reader(line).record();
 }
 
+constexpr std::size_t kMostQuoted = 10'000;  // [byte]
+
 Result<std::string> mi_quoted(std::string_view text) {
+  if (text.size() > kMostQuoted) return fail("what gdb is asked is longer than 10,000 bytes");
   std::string out = "\"";
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < 0x20 && c != '\t')

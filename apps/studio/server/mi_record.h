@@ -38,7 +38,7 @@ struct MiRecord {
 Result<MiRecord> read_mi_record(std::string_view line);
 
 /// A text as a parameter of a command, in quotes. Errors: it has a character that no line of a
-/// command can have (a line end, a zero).
+/// command can have (a line end, a zero), or over 10,000 bytes.
 Result<std::string> mi_quoted(std::string_view text);
 
 /// The text at a name of a tuple; "": there is none.

@@ -95,7 +95,10 @@ class Run : public Part {
   /// returns. From any thread, but not from within `changed`.
   using ProcessListener = std::function<void(const std::vector<ControllerProcess>&)>;
   virtual void watch_processes(ProcessListener) {}
-  /// While a controller is called: the time, and the readings of the sensors of its assembly. From
+  /// The listener is called once more as soon as the run's thread can. From any thread, and from
+  /// within `changed`, too.
+  virtual void ask_processes() {}
+  /// While that controller is called: the time, and the readings of the sensors of its assembly. From
   /// any thread.
   virtual std::optional<HeldCall> held_call(const std::string& /*controller*/) { return {}; }
 

@@ -51,6 +51,7 @@ class LiveRun final : public Run {
   void watch_processes(ProcessListener changed) override {
     engine_.watch_processes(std::move(changed));
   }
+  void ask_processes() override { engine_.ask_processes(); }
   std::optional<HeldCall> held_call(const std::string& controller) override {
     return engine_.held_call(controller);
   }

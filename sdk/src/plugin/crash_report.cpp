@@ -192,19 +192,23 @@ void PluginWatch::end() {
   given_up_ = false;
 }
 
-std::optional<PluginWatch::Call> PluginWatch::call() const {
-  const std::lock_guard lock(mutex_);
-  if (call_ == nullptr) return std::nullopt;
+/// The current call; under the lock.
+PluginWatch::Call PluginWatch::described() const {
   const std::chrono::duration<double> lasts = std::chrono::steady_clock::now() - since_;
-  return Call{call_->kind_,    call_->name_, call_->of_,    call_->plugin_,
-              call_->doing_,   call_->time_, lasts.count(), !std::isnan(call_->patience_),
-              call_->patience_};
+  return {call_->kind_,    call_->name_, call_->of_,    call_->plugin_,
+          call_->doing_,   call_->time_, lasts.count(), !std::isnan(call_->patience_),
+          call_->patience_};
 }
 
-bool PluginWatch::during(const std::function<void()>& look) const {
+std::optional<PluginWatch::Call> PluginWatch::call() const {
+  const std::lock_guard lock(mutex_);
+  return call_ == nullptr ? std::nullopt : std::optional(described());
+}
+
+bool PluginWatch::during(const std::function<void(const Call&)>& look) const {
   const std::lock_guard lock(mutex_);
   if (call_ == nullptr) return false;
-  look();
+  look(described());
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "process/channel.h"
@@ -24,6 +25,8 @@ class ChildProcess {
   /// `worker`, the id of the process that runs the controller, there is no limit; 0: not known yet.
   Result<CallChannel::Answer> call(const std::vector<char>& request, std::vector<char>& reply,
                                    std::chrono::duration<double> patience, std::int64_t worker);
+  /// Whether a process is the worker, or one that it has started; nullopt: it has ended.
+  std::optional<bool> has(std::int64_t process) const;
   /// How the process ended; valid after Answer::ended.
   const ProcessEnd& end() const { return process_->end(); }
   /// Kills the process and all processes that it has started, and waits until they have ended.

@@ -54,6 +54,7 @@ class WatchedProcess {
   /// Kills the process and all processes that it has started, and waits until they have ended.
   void kill();
   bool alive() const { return watchdog_ > 0; }
+  pid_t watchdog() const { return watchdog_; }  ///< -1: it has ended
   /// Whether the watchdog has ended.
   bool gone();
   /// Receives the report about the end; false: there is none.

@@ -1,4 +1,6 @@
 // A controller that misbehaves, in its fourth update or elsewhere.
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -40,6 +42,16 @@ void sleep_long() { std::this_thread::sleep_for(std::chrono::hours(1)); }
 void leave_behind(bool own_session) {
   if (::fork() != 0) return;
   if (own_session) ::setsid();
+  sleep_long();
+  ::_exit(0);
+}
+
+/// A process of its own traces this one, as a debugger would.
+void be_traced_by_child() {
+  ::prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY);
+  const pid_t traced = ::getpid();
+  if (::fork() != 0) return;
+  ::ptrace(PTRACE_SEIZE, traced, nullptr, nullptr);
   sleep_long();
   ::_exit(0);
 }
@@ -98,7 +110,9 @@ class Trouble final : public cogrsim::Controller {
     }
     if (what_ == "nan") motor_.set(std::numeric_limits<double>::quiet_NaN());
     if (what_ == "hang") sleep_long();
-    if (what_ == "spin") {
+    if (what_ == "traced-by-watchdog") ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
+    if (what_ == "traced-by-child") be_traced_by_child();
+    if (what_ == "spin" || what_.rfind("traced-by", 0) == 0) {
       for (volatile bool on = true; on;) {
       }
     }

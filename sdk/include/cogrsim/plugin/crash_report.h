@@ -67,15 +67,17 @@ class COGRSIM_API PluginWatch {
   void watch_this_thread();
   /// The current call; of nested calls the outermost; nullopt: none. Thread-safe.
   std::optional<Call> call() const;
-  /// Calls `look` if there is a current call, which does not return before `look` has: until then
-  /// the data of the observed thread may be read. Returns false if there is no call. Thread-safe.
-  bool during(const std::function<void()>& look) const;
+  /// Calls `look` with the current call, if there is one, which does not return before `look` has:
+  /// until then the data of the observed thread may be read that the called plugin does not change.
+  /// Returns false if there is no call. Thread-safe.
+  bool during(const std::function<void(const Call&)>& look) const;
   /// Cancels the current call into another process: that process is killed within 0.2 s, as at the
   /// end of its patience. Returns false if there is no such call. Thread-safe.
   bool give_up();
 
  private:
   friend class PluginCall;
+  Call described() const;
   void begin(const PluginCall& call);
   void end();
 

@@ -95,7 +95,11 @@ class IsolatedController final : public HostedController {
     proxy_.put_state(out);
     if (auto failure = exchange(patience())) return failure;
     WireReader in(reply_);
-    worker_ = in.take<std::int64_t>();
+    // While this process is debugged there is no deadline, so it must be the controller's own.
+    const auto reported = in.take<std::int64_t>();
+    const std::optional<bool> own = process_->has(reported);
+    if (own && !*own) return damaged();
+    worker_ = own ? reported : 0;
     std::optional<std::string> refused, thrown;
     in.get(refused);
     in.get(thrown);

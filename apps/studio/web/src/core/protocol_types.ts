@@ -689,7 +689,7 @@ export interface DebugBreakpoint {
   condition: string;
   /** the line where it is */
   placed: number | null;
-  /** why it is not there */
+  /** why it is not there, or not where it was wanted */
   note: string;
 }
 
@@ -697,8 +697,6 @@ export interface DebugFrame {
   function: string;
   /** as in `sources`; "": not one of them */
   file: string;
-  /** "": no debug information */
-  path: string;
   /** 0: not known */
   line: number;
 }

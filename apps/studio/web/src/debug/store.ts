@@ -26,6 +26,8 @@ export class DebugStore {
   /** index in the frames of the chosen one */
   readonly frame = signal(0);
   readonly variables = signal<Shown[]>([]);
+  /** the frame has variables beside these */
+  readonly more = signal(false);
   readonly watches = signal<Watched[]>([]);
   readonly controller = signal("");
   readonly building = signal(false);
@@ -166,7 +168,10 @@ export class DebugStore {
   }
   private async look(): Promise<void> {
     const answer = await this.ask("debug-variables", { frame: this.frame.value });
-    if (answer) this.variables.value = answer.variables.map(shown);
+    if (answer) {
+      this.variables.value = answer.variables.map(shown);
+      this.more.value = answer.more;
+    }
     await this.lookAtWatches();
   }
   private async lookAtWatches(): Promise<void> {

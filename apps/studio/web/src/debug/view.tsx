@@ -17,7 +17,13 @@ export function DebugView({ store, studio }: Props): JSX.Element {
   if (!store.mayDebug.value || !now) {
     return (
       <p class="cg-debug-none cg-muted">
-        Controllers are debugged in a studio that was started with <code>--allow-build</code>.
+        {studio.state.hello.value?.allow_build && !store.mayDebug.value ? (
+          "Viewers do not debug: open the address that the studio printed for its operator."
+        ) : (
+          <>
+            Controllers are debugged in a studio that was started with <code>--allow-build</code>.
+          </>
+        )}
       </p>
     );
   }
@@ -37,7 +43,7 @@ export function DebugView({ store, studio }: Props): JSX.Element {
       <div class="cg-debug-parts" tabIndex={0} role="group" aria-label="Where the controller stands">
         <Part title="Variables">
           {store.variables.value.length > 0 ? (
-            <Variables store={store} list={store.variables.value} more={false} label="Variables" />
+            <Variables store={store} list={store.variables.value} more={store.more.value} label="Variables" />
           ) : (
             <p class="cg-muted">{store.stands.value ? "This frame has none" : "Shown while the controller stands"}</p>
           )}

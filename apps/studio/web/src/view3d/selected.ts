@@ -6,6 +6,7 @@ import { jointAxes } from "./joint_axes";
 import { linearColor, type Dots, type Lines, type Rgb } from "./lines";
 import { compose, isFinite, kIdentity, poseAt, rotate, transform } from "./pose";
 import { bodiesIn } from "./selecting";
+import { cross, unit } from "./views";
 
 const kAxis = linearColor("#d81b9a");
 const kLimit = linearColor("#7d3fc8");
@@ -28,15 +29,6 @@ const along = (from: ArrayLike<number>, d: Vec3, s: number): Vec3 => [
   from[1]! + s * d[1],
   from[2]! + s * d[2],
 ];
-const cross = (a: Vec3, b: Vec3): Vec3 => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-const unit = (v: Vec3): Vec3 => {
-  const n = Math.hypot(...v);
-  return [v[0] / n, v[1] / n, v[2] / n];
-};
 
 /** Points of an arc around `axis` from angle to angle, where 0 is along `zero`, which is at right angles to it. */
 export function arc(
@@ -77,10 +69,10 @@ function drawJoint(pen: Pen, joint: SceneJoint, poseOf: PoseOf, size: number, dr
   const child = compose(poseOf(joint.child), joint.child_pose);
   if (!isFinite(parent) || !isFinite(child)) return;
   const reach = 0.6 * size;
-  const [axis] = jointAxes(joint.type, parent, child);
-  for (const a of jointAxes(joint.type, parent, child))
-    arrow(pen, along(parent, a, -reach), along(parent, a, reach), kAxis);
+  const axes = jointAxes(joint.type, parent, child);
+  for (const a of axes) arrow(pen, along(parent, a, -reach), along(parent, a, reach), kAxis);
   pen.dots.add(parent, kAxis);
+  const axis = axes[0];
   if (!axis) return;
   const [low = null, high = null] = joint.limits?.[0] ?? [];
   if (joint.type === "slider") {

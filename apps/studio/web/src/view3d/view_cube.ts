@@ -1,7 +1,7 @@
 // A cube that shows where one looks from, with the axes of the world. A click on a face, an edge or a corner looks from there.
 import type { Quaternion } from "three";
 import type { Vec3 } from "../core/protocol";
-import { kViews, directionOf, type ViewName } from "./views";
+import { cross, directionOf, dot, kViews, unit, type ViewName } from "./views";
 
 const kNames: Record<string, string> = {
   front: "Front",
@@ -17,12 +17,6 @@ const kInner = 0.6;
 const kBox = 104;
 const kAxis = 2.75;
 
-const cross = (a: Vec3, b: Vec3): Vec3 => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const sum = (a: Vec3, b: Vec3, s: number, c: Vec3, t: number): Vec3 => [
   a[0] + s * b[0] + t * c[0],
   a[1] + s * b[1] + t * c[1],
@@ -40,7 +34,6 @@ export function pictureAxes(q: Pick<Quaternion, "x" | "y" | "z" | "w">): [Vec3, 
 }
 
 interface Face {
-  view: ViewName;
   normal: Vec3;
   /** in the face, as its name is read */
   right: Vec3;
@@ -102,9 +95,7 @@ export class ViewCube {
         const patches = patchesOf(normal).map(({ from, corners, inner }) => {
           const shape = this.make("polygon");
           if (inner) shape.dataset.command = `view:${view}`;
-          const n = Math.hypot(...from);
-          const unit = from.map((v) => v / n) as Vec3;
-          shape.addEventListener("click", () => look(inner ? view : unit));
+          shape.addEventListener("click", () => look(inner ? view : unit(from)));
           group.append(shape);
           return { shape, corners };
         });
@@ -112,7 +103,7 @@ export class ViewCube {
         text.textContent = kNames[view]!;
         group.append(text);
         this.element.append(group);
-        return { view, normal, right: cross(up, normal), up, group, patches, text };
+        return { normal, right: cross(up, normal), up, group, patches, text };
       });
     this.axes = (["x", "y", "z"] as const).map((axis, i) => {
       const line = this.make("line");

@@ -12,7 +12,7 @@ const kMargin = 1.05;
 /** Straight down or up leaves open where the picture's top is; this little aside settles it. */
 const kAside = 1e-4;
 
-const unit = (v: Vec3): Vec3 => {
+export const unit = (v: Vec3): Vec3 => {
   const n = Math.hypot(...v);
   return [v[0] / n, v[1] / n, v[2] / n];
 };
@@ -47,12 +47,12 @@ export function horizontalFov(aspect: number, field = kFieldOfView): number {
   return 2 * Math.atan(Math.tan(verticalFov(aspect, field) / 2) * aspect);
 }
 
-const cross = (a: Vec3, b: Vec3): Vec3 => [
+export const cross = (a: Vec3, b: Vec3): Vec3 => [
   a[1] * b[2] - a[2] * b[1],
   a[2] * b[0] - a[0] * b[2],
   a[0] * b[1] - a[1] * b[0],
 ];
-const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** Axes of an eye that looks against `direction` (unit), z up: forward, left, up. */
 export function axesOf(direction: Vec3): [Vec3, Vec3, Vec3] {
