@@ -283,7 +283,7 @@ test("edits of all kinds, all undone with Ctrl+Z: the text is byte-equal", async
     }
   }
   expect(steps).toBeGreaterThan(kEdits / 2);
-  expect(Object.keys(done).length).toBeGreaterThan(9);
+  expect(Object.keys(done).length).toBeGreaterThan(kEdits < 200 ? 7 : 9);
   await keep(page, "walk_before_undo");
   await page.getByTestId("map").click({ position: { x: 5, y: 5 } });
   for (let i = 0; i < steps; ++i) {

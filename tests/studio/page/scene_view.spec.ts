@@ -25,10 +25,10 @@ test("a click in the tree highlights in 3D and on the map, and a pixel that is c
   await expect.poll(async () => (await look(view)).differs(before)).toBeGreaterThan(0);
   const marked = await still(view);
   await keep(page, "tree_selects_in_3d");
-  // What changed is a rim around the puck and what is inside: nowhere else.
+  // What changed is a rim around the puck with its frame, and what is inside: nowhere else.
   const puck = before.find(red);
   expect(puck.count).toBeGreaterThan(50);
-  const radius = 0.75 * Math.sqrt(puck.count) + 6;
+  const radius = 0.75 * Math.sqrt(puck.count) + 12;
   for (let y = 0; y < before.height; y += 1) {
     for (let x = 0; x < before.width; x += 1) {
       const [a, b] = [before.at(x, y), marked.at(x, y)];

@@ -145,7 +145,8 @@ for (const [what, scene] of [["messages, titles and reasons", kMessages], ["name
       page.on("request", (request) => asked.push(request.url()));
       page.on("dialog", () => asked.push("a dialog"));
       await visit(page, hostile);
-      await layout(page, "Edit");
+      // the text stays beside the console
+      await layout(page, "Code");
       await page.locator(".cm-content").click();
       await page.keyboard.press("Control+a");
       await page.keyboard.insertText(scene);
