@@ -33,6 +33,8 @@ test("a click in the tree highlights in 3D and on the map, and a pixel that is c
     for (let x = 0; x < before.width; x += 1) {
       const [a, b] = [before.at(x, y), marked.at(x, y)];
       if (a.every((v, i) => Math.abs(v - b[i]!) <= 8)) continue;
+      // in the corner stands what it weighs
+      if (x < 320 && y > before.height - 70) continue;
       expect(Math.hypot(x - puck.x, y - puck.y), `a change at ${x}, ${y}`).toBeLessThan(radius);
     }
   }
