@@ -111,11 +111,25 @@ double MujocoWorld::speed_of(std::size_t actuator) const {
 
 double MujocoWorld::response_of(int dof) const {
   const mjModel& m = *model_;
-  std::vector<double>& x = scratch_;  // M^-1 of a unit impulse, and the impulse
-  x.assign(2 * static_cast<std::size_t>(m.nv), 0.0);
-  x[m.nv + dof] = 1.0;
-  mj_solveM(&m, data_.get(), x.data(), x.data() + m.nv, 1);
-  return x[dof];
+  std::vector<double>& y = scratch_;
+#if mjVERSION_HEADER < 300
+  // MuJoCo's inertia is M = L^T D L, with zeros but for a speed and those before it in its tree.
+  // The response is (M^-1)_ii = y . D^-1 y, where L^T y is the unit vector.
+  y.resize(std::max(y.size(), static_cast<std::size_t>(m.nv)));
+  for (int k = dof; k >= 0; k = m.dof_parentid[k]) y[k] = k == dof ? 1.0 : 0.0;
+  double response = 0.0;
+  for (int k = dof; k >= 0; k = m.dof_parentid[k]) {
+    const double* entry = data_->qLD + m.dof_Madr[k];
+    for (int j = m.dof_parentid[k]; j >= 0; j = m.dof_parentid[j]) y[j] -= *++entry * y[k];
+    response += y[k] * y[k] * data_->qLDiagInv[k];
+  }
+  return response;
+#else  // L lies in another order: M^-1 of a unit impulse, in all trees
+  y.assign(2 * static_cast<std::size_t>(m.nv), 0.0);
+  y[m.nv + dof] = 1.0;
+  mj_solveM(&m, data_.get(), y.data(), y.data() + m.nv, 1);
+  return y[dof];
+#endif
 }
 
 void MujocoWorld::find_responses() {
