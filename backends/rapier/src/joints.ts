@@ -48,6 +48,8 @@ export class Axis {
   u = 0;
   #axis: V3 = [0, 0, 1]; // in the world
   #point: V3 = [0, 0, 0];
+  #dt = 0; // that `#rotor` is of
+  #rotor = 0; // the damper that is the rotor
   #isDriven = false; // by a law with gains, in this step
   #held?: number[]; // the limits that Rapier has now
 
@@ -121,7 +123,17 @@ export class Axis {
    */
   setPassive(dt: number, n: number): void {
     if (!this.motors.passive) return;
-    const { rotor_inertia: R, damping: d } = this.joint.axes[0];
+    if (dt !== this.#dt) this.#rotor = this.#rotorDamping(dt, n);
+    this.#dt = dt;
+    const { damping } = this.joint.axes[0];
+    this.motors.passive.configureMotorVelocity(
+      (this.#rotor * this.u) / (this.#rotor + damping),
+      this.#rotor + damping,
+    );
+  }
+
+  #rotorDamping(dt: number, n: number): number {
+    const R = this.joint.axes[0].rotor_inertia;
     const m = this.inertia;
     let [low, high] = [R / dt, (2 * R) / dt];
     for (let i = 0; i < 20 && R > 0; ++i) {
@@ -129,7 +141,7 @@ export class Axis {
       if (1 - (1 + (c * dt) / (n * m)) ** -n > (c * dt) / (m + R)) low = c;
       else high = c;
     }
-    this.motors.passive.configureMotorVelocity((low * this.u) / (low + d), low + d);
+    return low;
   }
 
   /** The law of a motor, six numbers at `at`, as Rapier's motor; returns the effort beside it. */
@@ -273,7 +285,12 @@ export function makeJoints(
       friction: motorIf(friction > 0),
       passive: motorIf(damping > 0 || rotor_inertia > 0),
     };
-    out.axes[j] = new Axis(joint, made, motors, known?.inertias[j] ?? inertiaOn(scene, state, joint));
+    out.axes[j] = new Axis(
+      joint,
+      made,
+      motors,
+      rotor_inertia > 0 ? (known?.inertias[j] ?? inertiaOn(scene, state, joint)) : 0,
+    );
   });
   return out;
 }
