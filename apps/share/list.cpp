@@ -109,8 +109,8 @@ int list_command(const ListOptions& options) {
   (*store)->http().on_cancel(cli::interrupted);
   const auto rows = rows_of(**store);
   if (!rows) return failed(rows.error());
-  const auto shown =
-      cli::print_output(options.json ? rows_json(*rows) : rows_text(*rows, (*store)->address()));
+  const auto shown = cli::print_found(options.json, [&] { return rows_json(*rows); },
+                                      [&] { return rows_text(*rows, (*store)->address()); });
   return shown ? cli::kGood : failed(shown.error());
 }
 

@@ -181,7 +181,7 @@ int pull_command(const PullOptions& options) {
   cli::catch_interrupts();
   auto done = pull(options);
   if (done) {
-    if (auto shown = cli::print_output(*done); shown) return cli::kGood;
+    if (auto shown = cli::print_report(*done); shown) return cli::kGood;
   } else {
     cli::print_error(cli::printable(done.error().text()));
   }

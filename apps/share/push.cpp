@@ -244,12 +244,12 @@ int push_command(const PushOptions& options) {
   for (const Gathered::Source& file : gathered->files) cli::add_input(file.from);
   const auto packed = pack(options, *gathered, std::move(*manifest));
   if (!packed) return failed(packed.error());
-  if (auto shown = cli::print_output(contents_text(packed->entry, gathered->notes)); !shown) {
+  if (auto shown = cli::print_report(contents_text(packed->entry, gathered->notes)); !shown) {
     return failed(shown.error());
   }
   const auto sent = send(options, *packed);
   if (!sent) return failed(sent.error());
-  if (auto shown = cli::print_output(cli::printable(*sent) + "\n"); !shown) {
+  if (auto shown = cli::print_report(cli::printable(*sent) + "\n"); !shown) {
     return failed(shown.error());
   }
   return cli::kGood;

@@ -32,7 +32,7 @@ struct PullOptions {
 
 struct ListOptions {
   StoreOptions store;
-  bool json = false;
+  std::string json;  ///< file, "-" or empty
 };
 
 /// Each returns an exit status of the program.

@@ -109,7 +109,7 @@ void add_list_command(CLI::App& app, int& status) {
   command.add_option("store", options->store.address, "Store")
       ->envname("COGRSIM_STORE")
       ->type_name("STORE");
-  command.add_flag("--json", options->json, "As JSON");
+  cli::add_json(command, options->json);
   add_store_options(command, options->store);
   command.footer(std::string("Examples:\n"
                              "  cogrsim list https://cloud.example.org/dav/scenes\n"

@@ -62,11 +62,13 @@ export function combineRules(scene: Scene, engine: string): Rules {
     return name ? `'${name}'` : `that of shape '${shape?.name}'`;
   };
   const find = (what: 'friction' | 'restitution', rules: Rule[]): { rule: Rule; own: (m: number) => number } => {
+    const touched = scene.materials.map((): number[] => []); // the coefficients of a material's pairs
+    for (const [a, b] of pairs) {
+      for (const m of new Set([a, b])) touched[m].push(scene.surfaces[a][b][what]);
+    }
     const own = (rule: Rule, m: number): number => {
-      const others = pairs.filter(([a, b]) => a === m || b === m);
-      const touched = others.map(([a, b]) => scene.surfaces[a][b][what]);
-      const isExtreme = (rule === 'max' || rule === 'min') && touched.length > 0;
-      return kRules[rule].own(isExtreme ? touched : [scene.surfaces[m][m][what]]);
+      const isExtreme = (rule === 'max' || rule === 'min') && touched[m].length > 0;
+      return kRules[rule].own(isExtreme ? touched[m] : [scene.surfaces[m][m][what]]);
     };
     const misses = (rule: Rule): [number, number] | undefined =>
       pairs.find(([a, b]) => {

@@ -101,7 +101,7 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
          without=()):
     """Run the tests of a scene, of several, or of a folder: list of dict, one per case.
 
-    Keys as `cogrsim test --format json` has them: scene, test, backends, seed, status ("passed", "failed",
+    Keys as `cogrsim test --json` has them: scene, test, backends, seed, status ("passed", "failed",
     "error": the scene does not compile, …),
     message, verdicts, … backends: empty: the test's, else those in libraries; ["all"]: also those in processes of
     their own, but for what cannot run the scene. Raises Error: no tests could be run, or none has `filter` in its name.
@@ -115,14 +115,14 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
         if len(scenes) > 1:
             raise ValueError("scenes: expected files, or one Scene, where seeds were given to compile()")
         seeds = [seed_of(scenes[0])]
-    arguments = ["test", "--format", "json", *list_argument("backends", backends), *seeds_argument(seeds),
+    arguments = ["test", *list_argument("backends", backends), *seeds_argument(seeds),
                  *time_argument("timeout", timeout), *list_argument("without", without)]
     if filter is not None:
         arguments += ["--filter", text("filter", filter)]
     for scene in scenes:
         arguments += scene_arguments(scene, set if scene is scenes[-1] else None,
                                      plugin_path if scene is scenes[-1] else ())
-    done = run(arguments)
+    done = run([*arguments, "--json"])
     try:
         return json.loads(done.stdout)["cases"]
     except (ValueError, KeyError):

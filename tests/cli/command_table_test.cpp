@@ -202,6 +202,26 @@ std::string words_after(const CLI::App& table, const std::vector<std::string>& w
 
 }  // namespace
 
+TEST_CASE("an option that several commands have means one thing", "[cli][table]") {
+  const Table table;
+  for (const CLI::App* command : commands_of(*table.app)) {
+    INFO(command->get_name());
+    const auto has = [&](const char* name) {
+      return command->get_option_no_throw(name) != nullptr;
+    };
+    CHECK(has("--quiet"));
+    CHECK(has("-q"));
+    CHECK(has("--color"));
+    CHECK(has("-o") == has("--output"));
+    CHECK(has("-j") == has("--jobs"));
+    if (!has("--json")) continue;
+    const CLI::Option* json = command->get_option("--json");
+    CHECK(json->get_expected_min() == 0);
+    CHECK(json->get_expected_max() == 1);
+    CHECK(has("--overwrite"));
+  }
+}
+
 TEST_CASE("commands, options and their values are completed", "[cli][table][complete]") {
   const Table table;
   const auto completed = [&](const std::vector<std::string>& words) {
@@ -221,6 +241,8 @@ TEST_CASE("commands, options and their values are completed", "[cli][table][comp
   CHECK(completed({"completion", ""}) == "bash fish zsh");
   CHECK(completed({"run", ""}) == ":files");
   CHECK(completed({"run", "--output-dir", ""}) == ":folders");
+  CHECK(completed({"info", "--json", ""}) == ":files");
+  CHECK(completed({"info", "--json", "--ex"}) == "--extract");
   CHECK(completed({"test", "--without", "lacking,l"}) == "lacking,limits lacking,loops");
   CHECK_THAT(completed({}), Contains("run") && Contains("doctor"));
   const std::string toys = COGRSIM_TOYS;

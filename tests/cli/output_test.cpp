@@ -38,7 +38,7 @@ struct Inputs {
   cogrsim::test::PolicyFolder policy;
   std::string scene = folder / "a.scene.xml", recorded = folder / "b.scene.xml",
               run = folder / "run.mcap", figure = folder / "figure.json", snap = folder / "a.snap",
-              package = folder / "a-1.0.0.cogrsim.zip", robot = folder / "a.urdf",
+              package = folder / "a-1.0.0.cogrsim.zip", store = folder / "store", robot = folder / "a.urdf",
               sizes = folder / "sizes.yaml", mesh = folder / "m/part.obj",
               without_meshes = folder / "flight.scene.xml";
 
@@ -64,6 +64,7 @@ struct Inputs {
                 .status == 0);
     REQUIRE(cogrsim_run({"plot", run, "-o", figure}).status == 0);
     REQUIRE(with_toys({"push", scene, "-o", package}).status == 0);
+    REQUIRE(with_toys({"push", scene, "-o", store + "/"}).status == 0);
   }
 
   std::vector<std::pair<std::string, std::string>> by_argument() const {
@@ -73,6 +74,7 @@ struct Inputs {
             {"FIGURE", figure},
             {"SNAP", snap},
             {"PACKAGE", package},
+            {"STORE", store},
             {"ROBOT", robot},
             {"FLIGHT", without_meshes},
             {"CARD", policy.path("arm.policy.yaml")}};
@@ -124,6 +126,13 @@ const std::vector<Case>& cases() {
       {"-o,--output", "/", {"plot", "RUN", "--format", "svg", "-o", "OUT"}},
       {"--extract", "/", {"info", "RUN", "--extract", "OUT"}},
       {"--json", ".json", {"replay", "RUN", "--json", "OUT"}},
+      {"--json", ".json", {"info", "RUN", "--json", "OUT"}},
+      {"--json", ".json", {"check", "SCENE", "--json", "OUT"}},
+      {"--json", ".json", {"test", "SCENE", "--backends", "toy", "--json", "OUT"}},
+      {"--json", ".json", {"list", "STORE", "--json", "OUT"}},
+      {"--json", ".json", {"schema", "--json", "OUT"}},
+      {"--json", ".json", {"plugins", "--json", "OUT"}},
+      {"--json", ".json", {"doctor", "--json", "OUT"}},
       {"--json", ".json", {"policy", "run", "CARD", "-b", "cogrsim", "-d", "0.1", "--json", "OUT"}},
       {"--json",
        ".json",
@@ -144,7 +153,7 @@ const std::vector<Case>& cases() {
       {"-o,--output", "/", {"replay", "RUN", "--render", "top", "--at", "0.05", "-o", "OUT"}},
       {"-o,--output", "/", {"sweep", "SCENE", "--seeds", "1", "--backends", "toy", "-o", "OUT"}},
       {"--junit", ".xml", {"test", "SCENE", "--backends", "toy", "--junit", "OUT"}},
-      {"-o,--out", "/", {"test", "SCENE", "--backends", "toy", "-o", "OUT"}},
+      {"-o,--output", "/", {"test", "SCENE", "--backends", "toy", "-o", "OUT"}},
       {"-o,--output", ".svg", {"map", "RUN", "-o", "OUT"}},
       {"-o,--output", ".gif", {"map", "RUN", "--every", "0.05", "-o", "OUT"}},
       {"-o,--output", ".png", {"render", "RUN", "-o", "OUT"}},
@@ -179,7 +188,7 @@ Outcome attempt(const Inputs& in, const Case& c, const std::string& out, bool fo
     if (argument == "OUT") argument = out;
   }
   if (force && c.force[0] != '\0') arguments.emplace_back(c.force);
-  for (const char* other : {"plot", "map", "info", "pull", "new", "import"}) {
+  for (const char* other : {"plot", "map", "info", "list", "pull", "new", "import"}) {
     if (arguments.front() == other) return cogrsim_run(arguments);
   }
   return with_toys(arguments);
@@ -269,6 +278,7 @@ void check_evades(const Inputs& in, const Case& c, const std::string& folder,
 std::string type_in_help(const std::string& line, const std::string& option) {
   const std::string rest = line.substr(line.find(option) + option.size());
   if (rest.rfind("  ", 0) == 0 || rest.size() < 2) return {};
+  if (rest[1] == '[') return rest.substr(1, rest.find(']'));
   return rest.substr(1, rest.find_first_of(" :=[", 1) - 1);
 }
 
@@ -314,7 +324,8 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "process|none",
                                           "urdf|sdf|mjcf",
                                           "SEEDS",
-                                          "none|position|torque|velocity"};
+                                          "none|position|torque|velocity",
+                                          "auto|always|never"};
   // --copy-meshes takes the name of a folder beside the scene: tests/import.
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include", "--srdf",
                                         "--copy-meshes", "--merge"};

@@ -525,6 +525,56 @@ TEST_CASE("check distinguishes good from bad scenes, in three formats", "[cli][p
   CHECK(json_of(as_sarif)["version"] == "2.1.0");
 }
 
+TEST_CASE("--json, --quiet and --color mean the same in every command", "[cli][program]") {
+  const cogrsim::test::TemporaryFolder folder;
+  const std::string run = folder / "run.mcap";
+  REQUIRE(with_toys({"run", kFlight, "-b", "toy", "-d", "0.1", "--record", run}).status == 0);
+  struct Case {
+    std::vector<std::string> words;
+    bool colored = true;
+  };
+  const std::vector<Case> cases = {
+      {{"run", kFlight, "-b", "toy", "-d", "0.1"}},
+      {{"compare", kFlight, "-b", "toy,toy_euler", "-d", "0.1"}},
+      {{"check", kFlight}},
+      {{"info", run}},
+      {{"plugins"}},
+      {{"schema"}, false}};
+  for (const Case& c : cases) {
+    INFO(c.words.front());
+    const auto with = [&](std::vector<std::string> more) {
+      std::vector<std::string> all = c.words;
+      all.insert(all.end(), more.begin(), more.end());
+      return c.words.front() == "info" ? cogrsim_run(all) : with_toys(all);  // it loads no plugin
+    };
+    const Outcome text = with({}), dash = with({"--json", "-"}), alone = with({"--json"});
+    CHECK(text.status == 0);
+    CHECK_NOTHROW(json_of(dash));
+    CHECK_NOTHROW(json_of(alone));
+    const std::string file = folder / (c.words.front() + ".json");
+    const Outcome both = with({"--json", file});
+    CHECK(both.status == 0);
+    CHECK_FALSE(json::parse(read_file(file), nullptr, false).is_discarded());
+    if (c.colored) CHECK(both.out.empty() == text.out.empty());
+    const Outcome quiet = with({"-q", "--json"});
+    CHECK_NOTHROW(json_of(quiet));
+    if (!c.colored) continue;
+    const Outcome silent = with({"--quiet"});
+    // The findings of a check are warnings.
+    CHECK((silent.out.empty() || c.words.front() == "check"));
+    CHECK_THAT(silent.out, !Contains("good"));
+    CHECK(silent.status == 0);
+    CHECK_THAT(with({"--color", "always"}).out, Contains("\033["));
+    CHECK_THAT(text.out + with({"--color", "never"}).out, !Contains("\033["));
+  }
+  const Outcome bad = with_toys({"check", kScenes + "/broken.scene.xml", "-q"});
+  CHECK(bad.status == 1);
+  CHECK_THAT(bad.out, Contains("broken.scene.xml:3:"));
+  const Outcome before = cogrsim_run({"info", "--json", run});
+  CHECK(before.status == 0);  // the recording is the command's, which needs one
+  CHECK_NOTHROW(json_of(before));
+}
+
 TEST_CASE("explain and schema print their documented output", "[cli][program]") {
   const Outcome list = cogrsim_run({"explain"});
   CHECK(list.status == 0);

@@ -63,7 +63,7 @@ if [ "$COGRSIM_FAULTS_INSIDE" = yes ]; then
 fi
 
 # The terminal's own file.
-for command in "run $scene --duration 0.1s --json -" "schema" "plugins" "explain CG0502" "check $scene --format json"; do
+for command in "run $scene --duration 0.1s --json -" "schema" "plugins" "explain CG0502" "check $scene --json"; do
   read -ra command <<<"$command"
   status=0
   "$program" "${command[@]}" >/dev/full 2>err || status=$?

@@ -1,4 +1,5 @@
-# The library for adapters as npm packs it: an adapter that finds it in node_modules, and nowhere else, works.
+# The libraries for adapters and for controllers as npm packs them: an adapter that finds its own in node_modules, and
+# nowhere else, works, and so does an import of the other.
 include(${CMAKE_CURRENT_LIST_DIR}/bare_folder.cmake)
 find_program(NPM npm)
 find_program(NODE NAMES node)
@@ -12,6 +13,16 @@ run("npm pack" ${NPM} pack --silent "${SOURCE_DIR}/sdk/adapter")
 set(tarball "${WORK_DIR}/cogrsim-backend-${version}.tgz")
 if(NOT EXISTS "${tarball}")
   message(FATAL_ERROR "npm packs another version than ${version}: ${output}")
+endif()
+run("npm pack" ${NPM} pack --silent "${SOURCE_DIR}/sdk/controller")
+set(controller "${WORK_DIR}/cogrsim-controller-${version}.tgz")
+run("npm install" ${NPM} install --offline --no-audit --no-fund --prefix "${WORK_DIR}/robot" "${controller}")
+file(WRITE "${WORK_DIR}/robot/try.mjs" "import { control } from 'cogrsim-controller';
+await control('nowhere', () => () => []).catch((error) => console.log(error.message));\n")
+run("import" ${NODE} robot/try.mjs)
+if(NOT output MATCHES "'nowhere' is no address" OR
+   NOT EXISTS "${WORK_DIR}/robot/node_modules/cogrsim-controller/cogrsim_controller.d.mts")
+  message(SEND_ERROR "the library for controllers does not say what is wrong: ${output}")
 endif()
 run("new" "${PREFIX}/bin/cogrsim" new backend packed --language js)
 foreach(name cogrsim_backend.mjs cogrsim_backend.d.mts)

@@ -17,6 +17,7 @@ import time
 import unittest
 
 PROGRAM, EXAMPLE = sys.argv[1], pathlib.Path(sys.argv[2])
+LIBRARY_JS = EXAMPLE.parent.parent / "sdk/controller/cogrsim_controller.mjs"
 SCENE = (EXAMPLE / "pendulum.scene.xml").read_text(encoding="utf-8")
 CONNECT = '<controller connect="unix:run.sock" rate="500 Hz"/>'
 # The same law in a library: kp e + I - kd u, with I = 0.
@@ -87,6 +88,36 @@ class Socket(unittest.TestCase):
     @unittest.skipUnless(shutil.which("node"), "no node")
     def test_javascript(self):
         self.check_client(["node", str(EXAMPLE / "client.mjs")])
+
+    def library_client(self, step):
+        """A client of the library for JavaScript, whose step has this body; ends with 3 and what was thrown."""
+        path = self.folder / "own.mjs"
+        path.write_text(f"""import {{ control }} from "{LIBRARY_JS.as_uri()}";
+await control("unix:run.sock", ({{ robot, backend, motors }}) => {{
+  console.log("controls", robot, "on", backend);
+  return (update) => {{ {step} }};
+}})
+  .catch((error) => {{ console.error(error.message); process.exit(3); }});
+""", encoding="utf-8")
+        return ["node", str(path)]
+
+    JS_LAW = ("const { position, velocity } = update.motors[0]; const e = 0.5235987755982988 - position;"
+              "return { targets: { [motors[0].name]: 8.0 * e - 0.4 * velocity }, outputs: { output_1: e } };")
+
+    @unittest.skipUnless(shutil.which("node"), "no node")
+    def test_javascript_library(self):
+        self.check_client(self.library_client(self.JS_LAW))
+        self.check_comparison(self.library_client(self.JS_LAW))
+
+    @unittest.skipUnless(shutil.which("node"), "no node")
+    def test_javascript_library_that_throws(self):
+        self.scene(CONNECT)
+        client = subprocess.Popen(self.library_client('throw new Error("no idea");'), cwd=self.folder,
+                                  stderr=subprocess.PIPE, text=True)
+        _, printed = self.run_scene(CONNECT)
+        self.assertIn("no idea", printed)
+        self.assertIn("no idea", client.communicate(timeout=60)[1])
+        self.assertEqual(client.returncode, 3)
 
     @unittest.skipUnless(shutil.which("cc"), "no C compiler")
     def test_c(self):

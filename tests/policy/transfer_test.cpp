@@ -62,7 +62,7 @@ TEST_CASE("the table is the same on any number of workers, and a study goes on",
     more.insert(more.begin(), many.begin(), many.end());
     return transfer(folder, more);
   };
-  const Outcome one = with({"-j", "1"}), three = with({"--workers", "3"});
+  const Outcome one = with({"-j", "1"}), three = with({"--jobs", "3"});
   CHECK(table_of(one) == table_of(three));
   CHECK(one.out == three.out);
   REQUIRE(transfer(folder, {"--seeds", "1..3", "--vary", "friction=0.5,1", "-o", kept}).status ==

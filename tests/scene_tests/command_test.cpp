@@ -128,7 +128,7 @@ TEST_CASE("a failure names its line and values and how to see it again", "[comma
 TEST_CASE("JSON has the same results", "[command]") {
   const Folder folder;
   folder.write("a.scene.xml", scene(kBad));
-  const Outcome out = folder.run("a.scene.xml --format json");
+  const Outcome out = folder.run("a.scene.xml --json");
   const auto json = nlohmann::json::parse(out.text);
   CHECK(json["failed"] == 1);
   CHECK(json["cases"][0]["status"] == "failed");

@@ -54,6 +54,16 @@ std::map<std::string, std::string> settings_from(const std::vector<std::string>&
   return settings;
 }
 
+void add_json(CLI::App& command, std::string& to, const std::string& what) {
+  command
+      .add_option("--json", to,
+                  what + " to a file; without one, or to -, on the standard output, which then has "
+                         "nothing else")
+      ->type_name("[FILE|-]")
+      ->expected(0, 1)
+      ->default_str("-");
+}
+
 void add_without(CLI::App& command, std::vector<std::string>& to) {
   add_list(command, "--without", to,
            "Features of the scene that the run leaves out, with commas, as `cogrsim plugins` names "

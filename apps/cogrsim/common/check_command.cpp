@@ -66,7 +66,6 @@ void check_backend(const CheckOptions& options, LoadedScene& scene) {
 }  // namespace
 
 int check_command(const CheckOptions& options) {
-  const bool text = options.format == "text";
   const bool color = !style_of(fileno(standard_output())).off.empty();
   const Style style = style_of(fileno(standard_output()));
   std::vector<Diagnostic> all;
@@ -83,8 +82,8 @@ int check_command(const CheckOptions& options) {
         std::count_if(scene.diagnostics.begin(), scene.diagnostics.end(), is_error));
     const std::size_t warnings = scene.diagnostics.size() - found;
     errors += found;
-    if (text) {
-      out += diagnostics_text(scene.diagnostics, color);
+    out += diagnostics_text(scene.diagnostics, color);
+    if (!is_quiet()) {
       if (found > 0) {
         out += fmt::format("{}: {}{}{}", one_line(path), style.red,
                            count_text(found, "error", "errors"), style.off);
@@ -97,10 +96,17 @@ int check_command(const CheckOptions& options) {
     }
     all.insert(all.end(), scene.diagnostics.begin(), scene.diagnostics.end());
   }
-  if (options.format == "json") out = dsl::to_json(all);
-  if (options.format == "sarif") out = dsl::to_sarif(all);
-  if (!out.empty() && out.back() != '\n') out += '\n';
-  return print_or_fail(out, errors == 0 ? kGood : kFailed);
+  const auto ended = [](std::string lines) {
+    if (!lines.empty() && lines.back() != '\n') lines += '\n';
+    return lines;
+  };
+  if (options.sarif) out = dsl::to_sarif(all);
+  if (!options.json.empty()) {
+    const auto written = write_output(options.json, OutputKind::json, ended(dsl::to_json(all)));
+    if (!written) return refuse(written.error());
+    if (options.json == "-") out.clear();
+  }
+  return print_or_fail(ended(out), errors == 0 ? kGood : kFailed);
 }
 
 int explain_command(const std::string& code) {
@@ -131,10 +137,15 @@ int explain_command(const std::string& code) {
   return print_or_fail(text, kGood);
 }
 
-int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths) {
+int schema_command(bool reference, const std::string& json,
+                   const std::vector<std::string>& plugin_paths) {
   if (reference) return print_or_fail(dsl::write_reference_markdown(), kGood);
   dsl::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
-  if (json) return print_or_fail(dsl::write_schema_json(&catalog) + "\n", kGood);
+  if (!json.empty()) {
+    const auto written =
+        write_output(json, OutputKind::json, dsl::write_schema_json(&catalog) + "\n");
+    return written ? kGood : refuse(written.error());
+  }
   return print_or_fail(dsl::write_xsd(&catalog), kGood);
 }
 

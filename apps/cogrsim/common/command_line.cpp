@@ -51,7 +51,7 @@ struct Arguments {
   std::string seeds, shake, table;
   std::string shell, command;
   bool chaos = false;
-  bool json_flag = false, reference = false, man = false, events = false, watch = false;
+  bool reference = false, man = false, events = false, watch = false;
 };
 
 constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
@@ -294,9 +294,7 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
       .add_option("--speed", arguments.speed,
                   "Simulated seconds per second, or max, the default; never changes a result")
       ->type_name("X|max");
-  command
-      .add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
-      ->type_name("FILE|-");
+  add_json(command, arguments.json);
   command
       .add_option("--record", arguments.record,
                   "Record the run for replay; default: what <record> in the scene says")
@@ -423,9 +421,7 @@ void add_compare(CLI::App& app, Arguments& arguments, int& status) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command
-      .add_option("--json", arguments.json, "Write the result as JSON; - is the standard output")
-      ->type_name("FILE|-");
+  add_json(command, arguments.json);
   command.add_option("--report", arguments.report, "Write a page with curves for a browser")
       ->type_name("FILE.html");
   command
@@ -468,7 +464,10 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
       .add_option("-b,--backend", arguments.backend,
                   "Also report what this backend cannot do of the scene; default: the scene's own")
       ->type_name("B");
-  command.add_option("--format", arguments.format, "Format of the findings: text, json or sarif")
+  add_json(command, arguments.json, "Write the findings as JSON");
+  command
+      .add_option("--format", arguments.format,
+                  "Format of the findings: text, json, which is --json -, or sarif")
       ->check(CLI::IsMember({"text", "json", "sarif"}))
       ->type_name("F")
       ->capture_default_str();
@@ -485,7 +484,8 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
     options.scenes = arguments.scenes;
     options.set = settings_from(arguments.set);
     options.backend = arguments.backend;
-    options.format = arguments.format;
+    options.json = arguments.format == "json" ? "-" : arguments.json;
+    options.sarif = arguments.format == "sarif";
     options.without = without_from(arguments.without);
     options.plugin_paths = plugin_paths_from(arguments);
     status = check_command(options);
@@ -502,8 +502,7 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
   CLI::App& schema = *app.add_subcommand("schema", "Print the scene language for an editor (XSD)");
   schema.add_flag("--reference", arguments.reference,
                   "Print the reference page (Markdown) instead");
-  schema.add_flag("--json", arguments.json_flag,
-                  "Print it as JSON instead, with the plugins' parameters");
+  add_json(schema, arguments.json, "Write it as JSON instead, with the plugins' parameters");
   add_plugin_path(schema, arguments.plugin_paths);
   schema.footer(
       "Examples:\n"
@@ -511,12 +510,12 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim schema --reference > scene-reference.md\n"
       "  cogrsim schema --json | jq -r '.elements[].name'");
   schema.callback([&] {
-    status = schema_command(arguments.reference, arguments.json_flag, plugin_paths_from(arguments));
+    status = schema_command(arguments.reference, arguments.json, plugin_paths_from(arguments));
   });
 
   CLI::App& plugins =
       *app.add_subcommand("plugins", "List backends, controllers, supervisors, sensors");
-  plugins.add_flag("--json", arguments.json_flag, "As JSON");
+  add_json(plugins, arguments.json);
   add_plugin_path(plugins, arguments.plugin_paths);
   plugins.footer(
       "Examples:\n"
@@ -525,14 +524,14 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim plugins --json | jq -r '.plugins[].name'");
   plugins.callback([&] {
     PluginsOptions options;
-    options.json = arguments.json_flag;
+    options.json = arguments.json;
     options.plugin_paths = plugin_paths_from(arguments);
     status = plugins_command(options);
   });
 
   CLI::App& doctor = *app.add_subcommand(
       "doctor", "Say what is missing on this machine, or does not work, and how to get it");
-  doctor.add_flag("--json", arguments.json_flag, "As JSON");
+  add_json(doctor, arguments.json);
   add_plugin_path(doctor, arguments.plugin_paths);
   doctor.footer(
       "Examples:\n"
@@ -541,7 +540,7 @@ void add_small_ones(CLI::App& app, Arguments& arguments, int& status) {
       "Exit status: 0 nothing that is there is broken, 1 something is, or there is no engine.");
   doctor.callback([&] {
     DoctorOptions options;
-    options.json = arguments.json_flag;
+    options.json = arguments.json;
     const auto commands = commands_of(app);
     options.has_studio = std::any_of(commands.begin(), commands.end(), [](const CLI::App* command) {
       return command->get_name() == "studio";
@@ -618,14 +617,29 @@ void add_table_pages(CLI::App& app, Arguments& arguments, int& status) {
   completion.callback([&arguments, print] { print(completion_script(arguments.shell)); });
 }
 
-// Of commands that write files.
+// Of all commands, of those that write files, and of those that run scenes.
 void add_output_rules(CLI::App& command) {
-  for (const char* none : {"check", "explain", "schema", "plugins", "doctor", "list", "pull", "new",
-                           "test-case", "run-case", "help", "completion"}) {
-    if (command.get_name() == none) return;
-  }
+  const auto is_one_of = [&](std::initializer_list<const char*> names) {
+    return std::find(names.begin(), names.end(), command.get_name()) != names.end();
+  };
+  command.add_flag_callback(
+      "-q,--quiet", be_quiet,
+      "No progress and no text but warnings, errors, and results asked for with -");
+  command
+      .add_option_function<std::string>(
+          "--color",
+          [](const std::string& when) {
+            set_colors(when == "always"  ? Colors::always
+                       : when == "never" ? Colors::never
+                                         : Colors::automatic);
+          },
+          "Colours of text: auto, where a terminal wants them, always or never; default: auto")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->type_name("auto|always|never");
+  if (is_one_of({"explain", "pull", "new", "test-case", "run-case", "help", "completion"})) return;
   command.add_flag_callback("--overwrite", allow_overwriting,
                             "Outputs may replace files that CogRSim did not write");
+  if (is_one_of({"check", "schema", "plugins", "doctor", "list"})) return;
   command
       .add_option_function<std::string>(
           "--output-dir",

@@ -57,7 +57,9 @@ std::string description_of(const CLI::Option& option) {
     text += "; " + type.substr(range + 5, type.find(']', range) - range - 5);
     text.replace(text.rfind(" - "), 3, " to ");
   }
-  if (!option.get_default_str().empty()) text += "; default: " + option.get_default_str();
+  // What an option means that is given without its value is in its description.
+  const bool needs_value = option.get_expected_min() > 0;
+  if (needs_value && !option.get_default_str().empty()) text += "; default: " + option.get_default_str();
   if (!option.get_envname().empty()) text += "; else the environment's " + option.get_envname();
   return text;
 }

@@ -224,11 +224,13 @@ Completions complete(const CLI::App& table, const std::vector<std::string>& give
     return answer.completions;
   }
   Answer answer(word);
-  if (before && before->get_expected_max() != 0) {
+  const bool needs_value = before && before->get_expected_min() > 0;
+  const bool names_option = word.rfind('-', 0) == 0;
+  if (before && before->get_expected_max() != 0 && (needs_value || !names_option)) {
     add_values(*before, named, answer);
     return answer.completions;
   }
-  if (word.rfind('-', 0) == 0) {
+  if (names_option) {
     for (const CLI::Option* option : options_of(*command, false))
       for (const std::string& name : names_of(*option)) answer.add(name, description_of(*option));
     answer.add("--help", "Print the help of this command");

@@ -204,9 +204,10 @@ int doctor_command(const DoctorOptions& options) {
   std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) {
     return place(a) != place(b) ? place(a) < place(b) : a.group == "engine" && a.name < b.name;
   });
-  const std::string text = options.json ? json_text(json_of(findings))
-                                        : text_of(findings, style_of(fileno(standard_output())));
-  if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+  const auto printed =
+      print_found(options.json, [&] { return json_text(json_of(findings)); },
+                  [&] { return text_of(findings, style_of(fileno(standard_output()))); });
+  if (!printed) return refuse(printed.error());
   const auto is = [&](const char* group, Finding::State state) {
     return std::any_of(findings.begin(), findings.end(), [&](const Finding& each) {
       return each.state == state && (!*group || each.group == group);

@@ -84,17 +84,18 @@ struct CheckOptions {
   std::vector<std::string> scenes;
   std::map<std::string, std::string> set;
   std::string backend;
-  std::string format = "text";
+  std::string json;    ///< file, "-" or empty
+  bool sarif = false;  ///< instead of text
   std::vector<std::string> plugin_paths, without;
 };
 
 struct PluginsOptions {
-  bool json = false;
+  std::string json;  ///< file, "-" or empty
   std::vector<std::string> plugin_paths;
 };
 
 struct DoctorOptions {
-  bool json = false;
+  std::string json;         ///< file, "-" or empty
   bool has_studio = false;  ///< this program has the command
   std::vector<std::string> plugin_paths;
 };
@@ -141,7 +142,8 @@ int check_command(const CheckOptions& options);
 int explain_command(const std::string& code);
 /// Status 1: something that is there does not work, or there is no engine.
 int doctor_command(const DoctorOptions& options);
-int schema_command(bool reference, bool json, const std::vector<std::string>& plugin_paths);
+int schema_command(bool reference, const std::string& json,
+                   const std::vector<std::string>& plugin_paths);
 int plugins_command(const PluginsOptions& options);
 
 }  // namespace cogrsim::cli

@@ -24,7 +24,8 @@ Rules& process_rules() {
   return rules;
 }
 
-std::FILE* g_output = nullptr;  // set before there are threads
+std::FILE* g_output = nullptr;  // both set before there are threads
+bool g_quiet = false;
 
 }  // namespace
 
@@ -88,6 +89,20 @@ Result<> print_output(const std::string& text) {
     return fail(fmt::format("cannot write to the standard output: {}", std::strerror(errno)));
   }
   return {};
+}
+
+void be_quiet() { g_quiet = true; }
+bool is_quiet() { return g_quiet; }
+
+Result<> print_report(const std::string& text) {
+  return g_quiet ? Result<>() : print_output(text);
+}
+
+Result<> print_found(const std::string& json, const std::function<std::string()>& as_json,
+                     const std::function<std::string()>& as_text) {
+  if (!json.empty())
+    if (auto written = write_output(json, OutputKind::json, as_json()); !written) return written;
+  return json == "-" || g_quiet ? Result<>() : print_output(as_text());
 }
 
 }  // namespace cogrsim::cli

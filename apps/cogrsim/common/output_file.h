@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +36,17 @@ void claim_standard_output();
 /// Where results are printed; its descriptor shows whether that is a terminal.
 std::FILE* standard_output();
 
-/// Prints to stdout and makes sure it arrived.
+/// Prints a result that was asked for to stdout, and makes sure it arrived.
 Result<> print_output(const std::string& text);
+
+/// `--quiet` was given: no progress, and no text for people but warnings and errors.
+void be_quiet();
+bool is_quiet();
+/// The same for text that people read, which `--quiet` leaves out.
+Result<> print_report(const std::string& text);
+/// What a command found: as JSON where `--json` says (a file, "-" or, empty, nowhere), and as text
+/// for people unless the standard output has the JSON.
+Result<> print_found(const std::string& json, const std::function<std::string()>& as_json,
+                     const std::function<std::string()>& as_text);
 
 }  // namespace cogrsim::cli

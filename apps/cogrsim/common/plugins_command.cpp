@@ -244,13 +244,10 @@ Json to_json(const Inventory& inventory) {
 
 int plugins_command(const PluginsOptions& options) {
   const Inventory inventory = take_inventory(options.plugin_paths);
-  const std::string text = options.json
-                               ? json_text(to_json(inventory))
-                               : inventory_text(inventory, style_of(fileno(standard_output())));
-  if (const auto printed = print_output(text); !printed) {
-    return refuse(printed.error());
-  }
-  return kGood;
+  const auto printed =
+      print_found(options.json, [&] { return json_text(to_json(inventory)); },
+                  [&] { return inventory_text(inventory, style_of(fileno(standard_output()))); });
+  return printed ? kGood : refuse(printed.error());
 }
 
 }  // namespace cogrsim::cli

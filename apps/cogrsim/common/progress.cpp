@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/output_file.h"
 #include "common/terminal.h"
 
 namespace cogrsim::cli {
@@ -42,7 +43,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-StatusLine::StatusLine() : shown_(is_live_terminal(STDERR_FILENO)) {}
+StatusLine::StatusLine() : shown_(is_live_terminal(STDERR_FILENO) && !is_quiet()) {}
 
 bool StatusLine::due() const { return shown_ && (!drawn_ || seconds_since(last_) >= 0.1); }
 

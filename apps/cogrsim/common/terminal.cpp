@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
+Colors g_colors = Colors::automatic;
+
 bool dumb_terminal() {
   const char* term = std::getenv("TERM");
   return term != nullptr && std::strcmp(term, "dumb") == 0;
@@ -50,10 +52,13 @@ void print_marked(const std::string& colour, const char* word, const Style& styl
 
 }  // namespace
 
+void set_colors(Colors colors) { g_colors = colors; }
+
 Style style_of(int file_descriptor) {
   const char* no_color = std::getenv("NO_COLOR");
   const bool unwanted = no_color != nullptr && no_color[0] != '\0';
-  if (unwanted || dumb_terminal() || isatty(file_descriptor) == 0) return {};
+  const bool automatic = !unwanted && !dumb_terminal() && isatty(file_descriptor) != 0;
+  if (g_colors == Colors::never || (g_colors == Colors::automatic && !automatic)) return {};
   return {"\033[1m", "\033[2m", "\033[1;31m", "\033[32m", "\033[33m", "\033[36m", "\033[0m"};
 }
 

@@ -13,8 +13,12 @@ using cogrsim::one_line;
 using cogrsim::paragraph;
 using cogrsim::printable;
 
-/// Colour codes for one stream: empty unless it is a terminal that wants them (NO_COLOR is unset or
-/// empty, TERM is not "dumb").
+/// `--color`: `automatic` for terminals that want them (NO_COLOR is unset or empty, TERM is not
+/// "dumb"). Set before there are threads.
+enum class Colors { automatic, always, never };
+void set_colors(Colors colors);
+
+/// Colour codes for one stream; empty where there are none.
 struct Style {
   std::string bold, dim, red, green, yellow, cyan, off;
 };

@@ -178,11 +178,8 @@ int deliver(const CompareCommandOptions& options, const CompareReport& report, i
     check(write_output(options.table, OutputKind::text_table,
                        compare_table(report, format, options.rows)));
   }
-  if (options.json == "-" || options.report == "-") {
-    std::fputs(compare_text(report, options.rows, style_of(STDERR_FILENO)).c_str(), stderr);
-  } else {
-    check(print_output(compare_text(report, options.rows, style_of(fileno(standard_output())))));
-  }
+  if (options.json != "-" && options.report != "-")
+    check(print_report(compare_text(report, options.rows, style_of(fileno(standard_output())))));
   return status;
 }
 

@@ -249,7 +249,7 @@ int new_command(const NewOptions& options) {
   if (const auto made = make_project(folder, files); !made) {
     return refuse(made.error());
   }
-  if (const auto printed = print_output(success_text(options, folder, files, prefix)); !printed) {
+  if (const auto printed = print_report(success_text(options, folder, files, prefix)); !printed) {
     return refuse(printed.error());
   }
   return kGood;

@@ -599,12 +599,8 @@ int tell(const ExplainOptions& options, const Question& q) {
       {"differences", findings_json(findings)},
       {"first_difference", text_or_null(first)},
       {"text", out}};
-  if (!options.json.empty())
-    if (const auto written = write_output(options.json, OutputKind::json, json_text(json));
-        !written)
-      return refuse(written.error());
-  if (options.json == "-") return kGood;
-  const auto printed = print_output(out);
+  const auto printed =
+      print_found(options.json, [&] { return json_text(json); }, [&] { return out; });
   return printed ? kGood : refuse(printed.error());
 }
 

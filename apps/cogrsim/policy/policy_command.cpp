@@ -94,7 +94,7 @@ std::string description(const PolicyScene& scene) {
 int check(const PolicyOptions& options) {
   const PolicyScene scene = load_policy(options.card, options.plugin_paths);
   if (complain(scene.found)) return kFailed;
-  const auto printed = print_output(description(scene));
+  const auto printed = print_report(description(scene));
   return printed ? kGood : refuse(printed.error());
 }
 
@@ -191,15 +191,10 @@ int run(const PolicyOptions& options) {
   out.result.time = simulation.time();
   out.status = out.result.fell ? "fell" : to_string(status);
   out.stood = !out.result.fell && (status == RunStatus::completed || status == RunStatus::running);
-  if (!options.json.empty()) {
-    const auto written =
-        write_output(options.json, OutputKind::json, json_text(result_json(out, scene, command)));
-    if (!written) return refuse(written.error());
-  }
-  if (options.json != "-") {
-    const auto printed = print_output(summary(out, scene, command));
-    if (!printed) return refuse(printed.error());
-  }
+  const auto printed =
+      print_found(options.json, [&] { return json_text(result_json(out, scene, command)); },
+                  [&] { return summary(out, scene, command); });
+  if (!printed) return refuse(printed.error());
   return out.stood ? kGood : kFailed;
 }
 
@@ -239,8 +234,7 @@ void add_policy(CLI::App& app, int& status) {
       .add_option("--step", arguments->step, "Time step; default: the card's, or that of the scene")
       ->type_name("DT");
   command.add_option("--seed", arguments->seed, "Seed; default: that of the scene")->type_name("N");
-  command.add_option("--json", o.json, "Write the result as JSON; - is the standard output")
-      ->type_name("FILE|-");
+  add_json(command, o.json);
   add_list(command, "--plugin-path", o.plugin_paths,
            "Folder with plugins, searched first; may be repeated", "DIR");
   command.footer(

@@ -134,17 +134,16 @@ int tell(const TransferOptions& options, const SweepPlan& plan, const std::strin
     return write_output(path, kind, text());
   };
   for (const auto& written :
-       {write(options.json, OutputKind::json,
-              [&] { return json_text(transfer_json(plan, *table, left_out)); }),
-        write(options.report, OutputKind::html,
+       {write(options.report, OutputKind::html,
               [&] { return transfer_html(plan, *table, left_out); }),
         write(options.markdown, OutputKind::text_table,
               [&] { return formatted(TableFormat::markdown); }),
         write(options.latex, OutputKind::text_table,
               [&] { return formatted(TableFormat::latex); })})
     if (!written) return refuse(written.error());
-  if (options.json == "-") return kGood;
-  const auto printed = print_output(terminal_text(plan, *table));
+  const auto printed = print_found(
+      options.json, [&] { return json_text(transfer_json(plan, *table, left_out)); },
+      [&] { return terminal_text(plan, *table); });
   return printed ? kGood : refuse(printed.error());
 }
 
@@ -262,8 +261,7 @@ std::optional<ExplainOptions> explain_from(const TransferArguments& arguments,
 
 void add_outputs(CLI::App& command, TransferOptions& o) {
   command.add_option("--report", o.report, "Write a page for a browser")->type_name("FILE.html");
-  command.add_option("--json", o.json, "Write the table as JSON; - is the standard output")
-      ->type_name("FILE|-");
+  add_json(command, o.json, "Write the table as JSON");
   command.add_option("--markdown", o.markdown, "Write the table for a page")->type_name("FILE.md");
   command.add_option("--latex", o.latex, "Write the table for a paper")->type_name("FILE.tex");
   command
@@ -311,17 +309,7 @@ void add_transfer(CLI::App& app, int& status) {
       .add_option("--step", arguments->step, "Time step; default: the card's, or that of the scene")
       ->type_name("DT");
   add_without(command, arguments->without);
-  command
-      .add_option("-j,--workers", o.sweep.jobs,
-                  "Runs at a time; default: one per core, under mpirun one per process")
-      ->type_name("N")
-      ->check(CLI::Range(1, 4096));
-  command
-      .add_option("--timeout", arguments->timeout, "Wall-clock time after which a run is given up")
-      ->type_name("T");
-  command.add_flag("--retry", o.sweep.retry,
-                   "Repeat runs that crashed, failed, or ran out of time or memory");
-  command.add_flag("--dry-run", o.sweep.dry_run, "List the runs and do nothing");
+  add_processes(command, o.sweep, arguments->timeout);
   add_outputs(command, o);
   command.add_flag(
       "--explain", arguments->explain,

@@ -148,7 +148,7 @@ int one_picture(Studio& studio) {
     return refuse(done.error());
   }
   if (studio.options.segmentation) {
-    const auto printed = print_output(segmentation_legend(*(*frame)->model, *picture));
+    const auto printed = print_report(segmentation_legend(*(*frame)->model, *picture));
     if (!printed) return refuse(printed.error());
   }
   return kGood;

@@ -141,12 +141,10 @@ int info_command(const InfoOptions& options) {
       return refuse(done.error());
     }
   }
-  const std::string text = options.json ? json_text(info_json(info))
-                                        : info_text(info, style_of(fileno(standard_output())));
-  if (const auto printed = print_output(text); !printed) {
-    return refuse(printed.error());
-  }
-  return kGood;
+  const auto printed =
+      print_found(options.json, [&] { return json_text(info_json(info)); },
+                  [&] { return info_text(info, style_of(fileno(standard_output()))); });
+  return printed ? kGood : refuse(printed.error());
 }
 
 }  // namespace cogrsim::cli

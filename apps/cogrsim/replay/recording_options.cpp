@@ -13,7 +13,7 @@ void add_info(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("info", "Describe a recording");
   const auto options = std::make_shared<InfoOptions>();
   command.add_option("file", options->file, "Recording")->required()->type_name("RUN.mcap");
-  command.add_flag("--json", options->json, "As JSON");
+  add_json(command, options->json);
   command
       .add_option("--extract", options->extract,
                   "Write the scene and all other attached files into this folder")
@@ -36,9 +36,7 @@ void add_replay(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<ReplayArguments>();
   ReplayOptions& options = arguments->options;
   command.add_option("file", options.file, "Recording")->required()->type_name("RUN.mcap");
-  command
-      .add_option("--json", options.json, "Frames as JSON, one to a line; - is the standard output")
-      ->type_name("FILE|-");
+  add_json(command, options.json, "Write the frames as JSON, one to a line");
   command.add_option("--csv", options.csv, "Tables for spreadsheets and scripts, into this folder")
       ->type_name("DIR");
   command

@@ -18,7 +18,7 @@ void add_replay(CLI::App& app, int& status);
 
 struct InfoOptions {
   std::string file;
-  bool json = false;
+  std::string json;  ///< file, "-" or empty
   std::string extract;  ///< folder for the attached files; empty: they stay inside
 };
 

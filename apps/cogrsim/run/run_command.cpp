@@ -65,23 +65,13 @@ bool good(RunStatus status) {
 
 // Writes JSON and summary; `status` is the exit status unless writing fails.
 int deliver(const RunOptions& options, const RunResult& result, int status) {
-  if (!options.json.empty()) {
-    if (const auto written =
-            write_output(options.json, OutputKind::json, json_text(to_json(result)));
-        !written) {
-      return refuse(written.error());
-    }
-  }
-  if (!result.frame) return status;
-  if (options.json == "-") {
-    std::fputs(summary_text(result, style_of(STDERR_FILENO)).c_str(), stderr);
-    return status;
-  }
-  if (const auto printed = print_output(summary_text(result, style_of(fileno(standard_output()))));
-      !printed) {
-    return refuse(printed.error());
-  }
-  return status;
+  const auto printed = print_found(
+      options.json, [&] { return json_text(to_json(result)); },
+      [&] {
+        return result.frame ? summary_text(result, style_of(fileno(standard_output())))
+                            : std::string();
+      });
+  return printed ? status : refuse(printed.error());
 }
 
 // The options of the snapshot's run hold for this one too, unless they are set otherwise.

@@ -197,7 +197,7 @@ int run_all(const SweepPlan& plan, const Study& study, RankMessages* messages) {
   } else {
     text +=
         fmt::format("  {0}/{1}\n  {0}/{2}\n", one_line(plan.options.output), kTableName, kCsvName);
-    if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+    if (const auto printed = print_report(text); !printed) return refuse(printed.error());
   }
   if (done < plan.cases.size()) {
     print_warning(study.kept ? "interrupted: the same command resumes where this one ended"
@@ -266,7 +266,7 @@ int merge(const SweepOptions& options) {
       "{} shards: {} runs, {} good, {} not\n{}  {}/{}\n  {}/{}\n", options.merged.size(),
       counts.good + counts.failed, counts.good, counts.failed, table->left_out_text(),
       one_line(options.output), kTableName, one_line(options.output), kCsvName);
-  if (const auto printed = print_output(text); !printed) return refuse(printed.error());
+  if (const auto printed = print_report(text); !printed) return refuse(printed.error());
   return kGood;
 }
 

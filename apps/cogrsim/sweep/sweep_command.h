@@ -23,6 +23,9 @@ std::vector<std::string> backends_from(const std::vector<std::string>& lists);
 /// Wall-clock or simulated time above 0 [s]; throws UsageError.
 double seconds_from(const char* option, const std::string& argument);
 
+/// `--jobs`, `--timeout`, `--retry` and `--dry-run`; the text of the timeout is for seconds_from().
+void add_processes(CLI::App& command, SweepOptions& options, std::string& timeout);
+
 int sweep_command(const SweepOptions& options);
 
 /// Another command whose runs are gathered as those of a sweep are.

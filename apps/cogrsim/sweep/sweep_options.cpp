@@ -210,6 +210,19 @@ std::vector<std::string> backends_from(const std::vector<std::string>& lists) {
   return out;
 }
 
+void add_processes(CLI::App& command, SweepOptions& options, std::string& timeout) {
+  command
+      .add_option("-j,--jobs", options.jobs,
+                  "Runs at a time; default: one per core, under mpirun one per process")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  command.add_option("--timeout", timeout, "Wall-clock time after which a run is given up")
+      ->type_name("T");
+  command.add_flag("--retry", options.retry,
+                   "Repeat runs that crashed, failed, or ran out of time or memory");
+  command.add_flag("--dry-run", options.dry_run, "List the runs and do nothing");
+}
+
 void add_sweep(CLI::App& app, int& status) {
   CLI::App& command = *app.add_subcommand("sweep", "Run a scene many times and gather a table");
   const auto arguments = std::make_shared<SweepArguments>();
@@ -240,18 +253,9 @@ void add_sweep(CLI::App& app, int& status) {
       ->type_name("T");
   command.add_option("--step", arguments->step, "Step length; default: the scene's")
       ->type_name("DT");
-  command
-      .add_option("-j,--jobs", arguments->options.jobs,
-                  "Runs at a time; default: one per core, under mpirun one per process")
-      ->type_name("N")
-      ->check(CLI::Range(1, 4096));
-  command
-      .add_option("--timeout", arguments->timeout, "Wall-clock time after which a run is given up")
-      ->type_name("T");
+  add_processes(command, arguments->options, arguments->timeout);
   command.add_option("--memory", arguments->memory, "Memory beyond which a run is given up")
       ->type_name("SIZE");
-  command.add_flag("--retry", arguments->options.retry,
-                   "Repeat runs that crashed, failed, or ran out of time or memory");
   command
       .add_option(
           "--shard", arguments->shard,
@@ -264,7 +268,6 @@ void add_sweep(CLI::App& app, int& status) {
                   "whole, as if one machine had run it")
       ->type_name("DIR...")
       ->expected(1, -1);
-  command.add_flag("--dry-run", arguments->options.dry_run, "List the runs and do nothing");
   command
       .add_option("-o,--output", arguments->options.output,
                   "Folder of results.sqlite and results.csv; a study that is there is continued")

@@ -151,7 +151,7 @@ void show(const TestCase& one, const TestCommandOptions& options, const Style& s
                                  good ? "ok  " : "FAIL", style.off, one_line(one.scene),
                                  one_line(one.title()), elapsed_text(one.wall_time));
   text += printable(left_out_text(one) + errors_text(one) + failure_text(one, options));
-  static_cast<void>(print_output(text));
+  static_cast<void>(good ? print_report(text) : print_output(text));
 }
 
 /// Runs the cases that compiled; each is shown when all before it are over.
@@ -160,7 +160,7 @@ Result<> run_and_show(std::vector<TestCase>& cases, const TestCommandOptions& op
   std::vector<TestCase> open;
   for (const TestCase& one : cases)
     if (one.result.is_null()) open.push_back(one);
-  const bool text = options.format == "text";
+  const bool text = options.json != "-";
   const Style style = style_of(fileno(standard_output()));
   StatusLine line;
   std::size_t at = 0;  // in `cases`
@@ -192,11 +192,9 @@ Result<> run_and_show(std::vector<TestCase>& cases, const TestCommandOptions& op
 }  // namespace
 
 int test_command(const TestCommandOptions& options) {
-  if (!options.junit.empty()) {
-    if (const auto writable = check_writable(options.junit, OutputKind::xml); !writable) {
-      return refuse(writable.error());
-    }
-  }
+  const auto writable =
+      check_writable({{options.junit, OutputKind::xml}, {options.json, OutputKind::json}});
+  if (!writable) return refuse(writable.error());
   const auto files = scene_files(options.scenes);
   if (!files) {
     return refuse(files.error());
@@ -216,7 +214,7 @@ int test_command(const TestCommandOptions& options) {
   if (!options.out.empty() &&
       (!fs::is_directory(options.out, ignored) || access(options.out.c_str(), W_OK) != 0)) {
     print_error(Error("recordings of failed cases cannot be kept in '" + options.out + "'", "",
-                      "name another folder with --out")
+                      "name another folder with --output")
                     .text());
     return kFailed;
   }
@@ -243,22 +241,21 @@ int test_command(const TestCommandOptions& options) {
       return refuse(written.error());
     }
   }
-  const std::string summary =
-      options.format == "text"
-          ? fmt::format("{} case{}: {} passed, {} failed\n", cases.size(),
-                        cases.size() == 1 ? "" : "s",
-                        cases.size() - static_cast<std::size_t>(failed), failed)
-          : json_text(report_json(cases, options)) + "\n";
-  if (const auto printed = print_output(summary); !printed) {
-    return refuse(printed.error());
-  }
+  const auto printed = print_found(
+      options.json, [&] { return json_text(report_json(cases, options)) + "\n"; },
+      [&] {
+        return fmt::format("{} case{}: {} passed, {} failed\n", cases.size(),
+                           cases.size() == 1 ? "" : "s",
+                           cases.size() - static_cast<std::size_t>(failed), failed);
+      });
+  if (!printed) return refuse(printed.error());
   return failed > 0 ? kFailed : kGood;
 }
 
 void add_test(CLI::App& app, int& status) {
   struct Arguments {
     std::vector<std::string> scenes, backends, set, plugin_paths, without;
-    std::string seeds, filter, junit, format = "text", out, timeout;
+    std::string seeds, filter, junit, json, format = "text", output, timeout;
     int jobs = 0;
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -281,11 +278,12 @@ void add_test(CLI::App& app, int& status) {
       ->type_name("NAME");
   command.add_option("--junit", arguments->junit, "Write the results as JUnit XML")
       ->type_name("FILE");
-  command.add_option("--format", arguments->format, "Format of the output")
+  add_json(command, arguments->json);
+  command.add_option("--format", arguments->format, "Format of the output; json is --json -")
       ->check(CLI::IsMember({"text", "json"}))
       ->type_name("text|json");
   command
-      .add_option("-o,--out", arguments->out,
+      .add_option("-o,--output", arguments->output,
                   "Folder for recordings of failed cases; default: none are kept")
       ->type_name("DIR");
   command
@@ -329,8 +327,8 @@ void add_test(CLI::App& app, int& status) {
     options.without = without_from(arguments->without);
     options.filter = arguments->filter;
     options.junit = arguments->junit;
-    options.format = arguments->format;
-    options.out = arguments->out;
+    options.json = arguments->format == "json" ? "-" : arguments->json;
+    options.out = arguments->output;
     options.jobs = arguments->jobs;
     status = test_command(options);
   });

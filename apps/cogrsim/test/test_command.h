@@ -28,7 +28,7 @@ struct TestCommandOptions {
   std::vector<std::string> plugin_paths, without;
   std::string filter;  ///< part of a test's name
   std::string junit;   ///< file
-  std::string format = "text";
+  std::string json;  ///< file, "-" or empty
   std::string out = "cogrsim-tests";  ///< folder of recordings
   int jobs = 0;                       ///< 0: as many as there are processors
   double timeout = 0.0;               ///< of a case, in wall-clock time [s]; 0: none

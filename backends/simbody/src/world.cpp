@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <exception>
 
 namespace cogrsim::simbody {
@@ -109,6 +110,8 @@ StepResult SimbodyWorld::advance(double dt, const std::vector<Drive>& drives,
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
+    // Its integrators put into words whatever was thrown while they start.
+    if (std::strstr(e.what(), "std::bad_alloc") != nullptr) throw std::bad_alloc();
     result.message = std::string("Simbody: ") + e.what();
   }
   if (result.message.empty()) {
