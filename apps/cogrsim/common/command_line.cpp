@@ -741,6 +741,13 @@ int run_command_line(int argc, char** argv, const std::vector<AddCommands>& more
     const auto printed = print_output(to_text(complete(app, words)));
     return printed ? kGood : refuse(printed.error());
   }
+  // CLI11 takes an empty value of an option that needs none for no value.
+  for (int i = 2; i < argc; ++i)
+    if (argv[i] == std::string("--json=") ||
+        (argv[i][0] == '\0' && argv[i - 1] == std::string("--json"))) {
+      print_error("--json: its value is empty\nhelp: give a file, or - for the standard output");
+      return kWrongUsage;
+    }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {
