@@ -244,6 +244,8 @@ export async function look(what: Locator): Promise<Picture> {
 
 /** Waits until the picture holds still, and returns it. */
 export async function still(what: Locator): Promise<Picture> {
+  // the last of several pictures in a row is drawn again, with all its pixels
+  await expect(what).not.toHaveAttribute("data-coarse");
   let before = await look(what);
   await expect
     .poll(async () => {

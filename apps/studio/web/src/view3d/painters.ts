@@ -9,27 +9,38 @@ import type { Highlight } from "./highlight";
 export interface Painter {
   /** The node for the panel. */
   readonly element: HTMLElement;
-  /** No graphics card behind it: fewer corners, smaller shadow maps. */
+  /** No graphics card behind it: fewer corners, smaller shadow maps, and fewer pixels while pictures follow each other. */
   readonly slow: boolean;
   setSize(width: number, height: number): void;
   draw(stage: Scene, eye: Eye, highlight: Highlight, contact: ContactShadows, shadows: boolean): void;
   dispose(): void;
 }
 
+// Where a processor plays graphics card, pictures that follow each other within kMoving [ms], or the time that a whole one
+// takes, are to take at most kFrame [ms]: they have fewer pixels, down to kCoarsest of a side, and the last one is drawn
+// again with all.
+const kMoving = 200;
+const kFrame = 50;
+const kCoarsest = 0.5;
+
+/** Whether a processor plays graphics card: the browser says so, or the name of what draws does. */
+function isSoftware(document: Document): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  if (!gl) return true;
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 /** null: there is no WebGL here. `lost` is called when it goes away for good. */
 export function glPainter(document: Document, lost: () => void, restored: () => void): Painter | null {
   const canvas = document.createElement("canvas");
   let renderer: WebGLRenderer;
-  let slow = false;
+  const slow = isSoftware(document); // it has no time for smooth edges
   try {
-    const wishes = { alpha: false, powerPreference: "high-performance" } as const;
-    const fast = { ...wishes, antialias: true, failIfMajorPerformanceCaveat: true };
-    let context = canvas.getContext("webgl2", fast) as WebGL2RenderingContext | null;
-    if (!context) {
-      // a processor that plays graphics card has no time for smooth edges
-      slow = true;
-      context = canvas.getContext("webgl2", { ...wishes, antialias: false });
-    }
+    const wishes = { alpha: false, powerPreference: "high-performance", antialias: !slow } as const;
+    const context = canvas.getContext("webgl2", wishes) as WebGL2RenderingContext | null;
     if (!context) return null;
     renderer = new WebGLRenderer({ canvas, context });
   } catch {
@@ -41,6 +52,23 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
   renderer.shadowMap.type = PCFShadowMap;
   renderer.shadowMap.autoUpdate = false;
   let timer: ReturnType<typeof setTimeout> | undefined;
+  const size = { width: 1, height: 1, ratio: 0 };
+  const resize = (ratio: number): void => {
+    if (ratio === size.ratio) return;
+    size.ratio = ratio;
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(size.width, size.height, false);
+  };
+  let coarse = 1; // for pictures that follow each other
+  let last = -Infinity;
+  let whole = 0; // time of a picture with all pixels [ms]
+  let rest: ReturnType<typeof setTimeout> | undefined;
+  /** How long the last picture takes, which is waited for [ms]. */
+  const finished = (since: number): number => {
+    const gl = renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now() - since;
+  };
   // A context may come back (a driver that was reset); one that does not within seconds is gone.
   canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault();
@@ -54,18 +82,42 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
     element: canvas,
     slow,
     setSize(width, height) {
-      renderer.setPixelRatio(slow ? 1 : (canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1));
-      renderer.setSize(width, height, false);
+      Object.assign(size, { width, height, ratio: 0 });
+      resize(slow ? 1 : (canvas.ownerDocument.defaultView?.devicePixelRatio ?? 1));
     },
     draw(stage, eye, highlight, contact, shadows) {
       if (renderer.getContext().isContextLost()) return;
+      const start = performance.now();
+      const isMoving = slow && start - last < Math.max(kMoving, whole);
+      last = start;
+      const paint = (): void => {
+        renderer.render(stage, eye.camera);
+        highlight.draw(renderer, eye.camera);
+      };
+      if (slow) resize(isMoving ? coarse : 1);
       if (shadows) contact.draw(renderer, stage, slow);
       renderer.shadowMap.needsUpdate = shadows;
-      renderer.render(stage, eye.camera);
-      highlight.draw(renderer, eye.camera);
+      paint();
+      if (!slow) return;
+      clearTimeout(rest);
+      if (!isMoving) {
+        whole = finished(start);
+        last += whole;
+        const share = Math.sqrt(kFrame / Math.max(whole, 1));
+        coarse = share >= 1 ? 1 : share > 0.75 ? 0.75 : kCoarsest;
+      } else if (coarse < 1) {
+        canvas.dataset.coarse = "";
+        rest = setTimeout(() => {
+          if (renderer.getContext().isContextLost()) return;
+          resize(1);
+          paint();
+          delete canvas.dataset.coarse;
+        }, Math.max(kMoving, whole));
+      }
     },
     dispose() {
       clearTimeout(timer);
+      clearTimeout(rest);
       renderer.dispose();
     },
   };
