@@ -101,7 +101,7 @@ class Trot(Case):
             self.assertIn(old, card)
             card = card.replace(old, new)
         self.write("trot.policy.yaml", card)
-        scene = (self.folder / "trot.scene.xml").read_text()
+        scene = (self.folder / "trained.scene.xml").read_text()
         # Torques of gains are explicit, so the step is short.
         for old, new in (('servos="true"', 'servos="false" max_torque="10000 N*m"'), ('step="4 ms"', 'step="0.5 ms"')):
             self.assertIn(old, scene)
