@@ -1,5 +1,5 @@
 # Lists the blocks that pages mark as not run, with their reasons. Their number is bounded: a new one needs a change here.
-set(most 42)
+set(most 41)
 file(GLOB_RECURSE pages RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/docs/*.md ${SOURCE_DIR}/examples/*.md
   ${SOURCE_DIR}/plugins/*.md ${SOURCE_DIR}/apps/cogrsim/README.md)
 set(count 0)

@@ -138,7 +138,7 @@ Json measures_json(const PolicyResult& r, bool stood) {
               {"slip", number(r.slip)},
               {"mean_force", number(r.mean_force)},
               {"peak_force", number(r.peak_force)},
-              {"at_limit", r.limited},
+              {"at_limit", number(r.limited)},
               {"cost_of_transport", number(r.cost)}};
   const char* names[] = {"forward", "leftward", "turning"};
   for (int i = 0; i < 3; ++i) out[names[i]] = r.time > kSettled ? number(walked[i]) : Json(nullptr);

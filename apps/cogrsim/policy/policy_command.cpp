@@ -122,7 +122,8 @@ std::string summary(const PolicyRun& run, const PolicyScene& scene,
   if (r.time > kSettled)
     out += fmt::format("  velocity   {:.3f} {:.3f} m/s, {:.3f} rad/s: the mean from {:.0f} s on\n",
                        r.velocity.x(), r.velocity.y(), r.velocity.z(), kSettled);
-  out += fmt::format("  at limits  {:.1f} % of the motors' time\n", 100.0 * r.limited);
+  if (r.limited)
+    out += fmt::format("  at limits  {:.1f} % of the motors' time\n", 100.0 * *r.limited);
   return out;
 }
 
@@ -142,7 +143,7 @@ Json result_json(const PolicyRun& run, const PolicyScene& scene,
           {"path", r.path},
           {"turned", r.heading},
           {"velocity", to_json(r.velocity)},
-          {"at_limit", r.limited}};
+          {"at_limit", r.limited ? Json(*r.limited) : Json(nullptr)}};
 }
 
 int run(const PolicyOptions& options) {

@@ -18,7 +18,9 @@ PolicyWatch::PolicyWatch(const PolicyScene& scene, const Simulation& simulation,
     : scene_(scene),
       command_(std::move(command)),
       has_forces_(simulation.backend().capabilities().get("report.contact_force").support !=
-                  Support::unsupported) {
+                  Support::unsupported),
+      has_efforts_(simulation.backend().capabilities().get("report.joint_effort").support !=
+                   Support::unsupported) {
   const SceneModel& model = *scene.model;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     robot_.push_back(is_of_robot(model, scene.robot, static_cast<int>(b)));
@@ -103,7 +105,7 @@ void PolicyWatch::contacts(const Frame& frame, double dt) {
 
 PolicyResult PolicyWatch::finish() {
   if (settled_ > 0.0) result_.velocity = sum_ / settled_;
-  if (samples_ > 0.0) result_.limited = at_limit_ / samples_;
+  if (has_efforts_ && samples_ > 0.0) result_.limited = at_limit_ / samples_;
   if (settled_ > 0.0 && command_.size() == 3) {
     const Vec3 wanted(command_[0], command_[1], 0.0);
     const Vec3 had(result_.velocity.x(), result_.velocity.y(), 0.0);
@@ -116,7 +118,8 @@ PolicyResult PolicyWatch::finish() {
     if (touched_ > 0.0) result_.slip = slid_ / touched_;
   }
   const double weight = mass_ * scene_.model->physics.gravity.norm();
-  if (result_.path > kShortWay && weight > 0.0) result_.cost = work_ / (weight * result_.path);
+  if (has_efforts_ && result_.path > kShortWay && weight > 0.0)
+    result_.cost = work_ / (weight * result_.path);
   return result_;
 }
 

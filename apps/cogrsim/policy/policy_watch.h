@@ -22,7 +22,7 @@ struct PolicyResult {
   double path = 0.0;     ///< length of the way [m]
   /// Mean, forward, to the left [m/s] and turning [rad/s].
   Vec3 velocity = Vec3::Zero();
-  double limited = 0.0;  ///< share of time of the motors at their limits of effort
+  std::optional<double> limited;  ///< share of time of the motors at their limits of effort
   /// That of the mean velocity from a command of three numbers: [m/s], [rad/s].
   std::optional<double> velocity_error, turning_error;
   std::optional<double> slip;  ///< mean speed along the ground of what touches it, by load [m/s]
@@ -47,7 +47,7 @@ class PolicyWatch {
 
   const PolicyScene& scene_;
   std::vector<double> command_;
-  bool has_forces_;
+  bool has_forces_, has_efforts_;  // which the engine reports
   std::vector<bool> robot_;  // by body
   double mass_ = 0.0;
   PolicyResult result_;
