@@ -393,7 +393,8 @@ struct Finding {
   const Difference* difference;
   Runs bad, good;
   Estimate carried_bad, carried_good;  ///< part of the gap
-  bool repairs() const { return carried_bad.count > 0; }
+  /// The bad side can be changed so; where it then only falls, nothing is carried.
+  bool repairs() const { return bad.stood.of > 0; }
   double part() const {
     const auto lowest = [](const Estimate& e) {
       return e.count == 0 ? -1e9 : e.mean - e.half_width.value_or(0.0) / 2;
