@@ -16,7 +16,7 @@
 #include "cogrsim/control/controller.h"
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/policy/card.h"
-#include "observer.h"
+#include "cogrsim/policy/observer.h"
 
 namespace policy_plugin {
 namespace {
@@ -80,7 +80,7 @@ class Policy final : public cogrsim::Controller {
   }
 
   std::optional<std::string> save() const override {
-    MemoryWriter memory;
+    cogrsim::PolicyMemoryWriter memory;
     memory.list(std::vector<double>{observer_ ? step_ : 0.0, static_cast<double>(steps_),
                                     static_cast<double>(pending_.size())});
     memory.list(raw_);
@@ -101,7 +101,7 @@ class Policy final : public cogrsim::Controller {
   }
 
   void restore(const std::string& text) override {
-    MemoryReader memory(text);
+    cogrsim::PolicyMemoryReader memory(text);
     Values head(3);
     memory.list(head);
     if (!(head[0] >= 0.0 && head[1] >= 0.0 && head[1] < 1e15 && head[2] >= 0.0 && head[2] <= 1e5))
@@ -180,29 +180,8 @@ class Policy final : public cogrsim::Controller {
     network_ = *network;
     const auto sizes = cogrsim::check_policy_network(*card_, *network_);
     found.insert(found.end(), sizes.begin(), sizes.end());
-    for (const auto& port : network_->inputs()) {
-      if (port.name == card_->input || (card_->input.empty() && card_->state.count(port.name) == 0))
-        observed_ = inputs_.size();
-      inputs_.emplace_back(port.size, 0.0f);
-    }
-    std::vector<std::string> kept;
-    for (const auto& [in, out] : card_->state) {
-      kept.push_back(out);
-      feedback_.emplace_back(index_of(network_->inputs(), in), index_of(network_->outputs(), out));
-    }
-    for (std::size_t i = 0; i < network_->outputs().size(); ++i) {
-      const std::string& name = network_->outputs()[i].name;
-      if (name == card_->output ||
-          (card_->output.empty() && std::find(kept.begin(), kept.end(), name) == kept.end()))
-        acting_ = i;
-    }
-  }
-
-  static std::size_t index_of(const std::vector<cogrsim::NetworkPort>& ports,
-                              const std::string& name) {
-    std::size_t i = 0;
-    while (i < ports.size() && ports[i].name != name) ++i;
-    return i;
+    for (const auto& port : network_->inputs()) inputs_.emplace_back(port.size, 0.0f);
+    if (sizes.empty()) ports_ = cogrsim::policy_ports(*card_, *network_);
   }
 
   // By the joints that they drive.
@@ -260,11 +239,11 @@ class Policy final : public cogrsim::Controller {
   }
 
   void decide() {
-    inputs_[observed_] = observer_->decide(command_, raw_, clipped_);
+    inputs_[ports_.observed] = observer_->decide(command_, raw_, clipped_);
     const auto out = network_->run(inputs_);
     if (!out) throw std::runtime_error(out.error().text());
-    for (const auto& [in, from] : feedback_) inputs_[in] = (*out)[from];
-    const std::vector<float>& action = (*out)[acting_];
+    for (const auto& [in, from] : ports_.feedback) inputs_[in] = (*out)[from];
+    const std::vector<float>& action = (*out)[ports_.acting];
     const cogrsim::PolicyActions& a = card_->actions;
     Values target(action.size());
     for (std::size_t i = 0; i < action.size(); ++i) {
@@ -303,13 +282,12 @@ class Policy final : public cogrsim::Controller {
   std::vector<cogrsim::MotorHandle> motors_;
   Values command_;
   bool gains_ = false;
-  std::vector<std::vector<float>> inputs_;                     // of the network
-  std::vector<std::pair<std::size_t, std::size_t>> feedback_;  // inputs and what they have next
-  std::size_t observed_ = 0, acting_ = 0;                      // which input and which output
-  std::optional<Observer> observer_;
+  std::vector<std::vector<float>> inputs_;  // of the network
+  cogrsim::PolicyPorts ports_;
+  std::optional<cogrsim::PolicyObserver> observer_;
   double step_ = 0.0;
   std::uint64_t decimation_ = 1, steps_ = 0;
-  Measured measured_;
+  cogrsim::PolicyMeasured measured_;
   Values raw_, clipped_, target_;
   std::deque<Pending> pending_;
 };

@@ -14,8 +14,8 @@ import warnings as _warnings
 
 from ._errors import CompileError, Error, RunWarning, _diagnostic
 from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
-                       Message, Motor, Observation, Reading, Recorder, Robot, Scene, SensorContext,
-                       SensorHandle, Signal, Simulation, Snapshot, SupervisorContext, Tick, check, compile,
+                       Message, Motor, Observation, Policy, PolicyMemory, Reading, Recorder, Robot, Scene,
+                       SensorContext, SensorHandle, Signal, Simulation, Snapshot, SupervisorContext, Tick, check, compile,
                        compile_string, explain, export_model, import_model, resume)
 from .control import Channel, Controller, Output, Parameter, Sensor, Supervisor, channel, output, parameter
 from .recording import Recording
@@ -123,7 +123,7 @@ for _name, _class in list(vars(_c).items()):
     if isinstance(_class, type):
         _class.__module__ = "cogrsim"
         _class.__reduce_ex__ = _no_pickle  # that of object makes an instance of pybind11's base, which aborts
-        if _name not in ("Simulation", "_Batch", "_Recording"):
+        if _name not in ("Simulation", "Policy", "_Batch", "_Recording"):
             _class.__new__ = _not_made  # without an __init__() that is called the instance would have no memory
 _c.Diagnostic.__reduce_ex__ = lambda self, protocol: (_diagnostic, (self._state(),))
 del _name, _class

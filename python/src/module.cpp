@@ -1,5 +1,6 @@
 // The module cogrsim._cogrsim.
 #include "common.h"
+#include "policy.h"
 
 PYBIND11_MODULE(_cogrsim, m) {
   using namespace cogrsim::python;
@@ -17,4 +18,5 @@ PYBIND11_MODULE(_cogrsim, m) {
   bind_recording(m);
   bind_rendering(m);
   bind_import(m);
+  bind_policy(m);
 }

@@ -313,6 +313,9 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "WxH",
                                           "ADDRESS",
                                           "WORKING.policy.yaml",
+                                          // Lies above the robot that it names: tests/policy.
+                                          "NAME.policy.yaml",
+                                          "KEY=VALUE",
                                           "MB",
                                           "STORE",
                                           "V",
@@ -326,7 +329,8 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "auto|always|never"};
   // --copy-meshes takes the name of a folder beside the scene: tests/import.
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include", "--srdf",
-                                        "--copy-meshes", "--merge"};
+                                        "--copy-meshes", "--merge",
+                                        "--robot",       "--network"};
   std::set<std::string> tried;
   for (const Case& c : cases()) tried.insert(c.arguments[0] + " " + c.option);
   std::size_t outputs = 0;

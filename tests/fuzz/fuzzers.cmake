@@ -108,6 +108,9 @@ cogrsim_with_folder(${dsl}/assets meshes mesh_file mesh_gltf mesh_obj mesh_stl)
 cogrsim_add_fuzzer(gltf ${meshes})
 cogrsim_add_fuzzer(mesh ${meshes})
 cogrsim_add_fuzzer(plugin ${sdk}/plugin/elf_symbols.cpp)
+cogrsim_with_folder(${sdk}/policy files arrangement card card_check card_draft import import_gym
+  import_isaac import_playground network onnx_model operators recurrent yaml_text)
+cogrsim_add_fuzzer(policy ${files})
 cogrsim_with_folder(${sdk}/recording files mcap/mcap_reader mcap/messages mcap/scene_messages
   recomputing recording)
 cogrsim_add_fuzzer(recording ${files} ${sdk}/model/model_check.cpp ${sdk}/model/model_json.cpp

@@ -21,6 +21,7 @@ void srdf(std::string_view input);       ///< beside a robot of ours
 void yaml(std::string_view input);       ///< as xacro files load it
 void image(std::string_view input);      ///< PNG and JPEG
 void plugin(std::string_view input);     ///< the symbols of a library that is not loaded
+void policy(std::string_view input);     ///< networks, cards, and files that become cards
 void recording(std::string_view input);  ///< MCAP: opened, and every frame read
 void snapshot(std::string_view input);   ///< read, and a run resumed from it
 void package(std::string_view input);    ///< an archive, a manifest, a store's entry

@@ -71,6 +71,7 @@ class OnnxWriter {
         attribute.add_string(4, a.text);
       else
         attribute.add_int64(3, a.integer);
+      attribute.add_int32(20, a.is_number ? 1 : !a.text.empty() ? 3 : 2);  // which of them it is
     }
     if (!domain.empty()) writer.add_string(7, domain);
     return part(1, bytes);

@@ -1,4 +1,4 @@
-// cogrsim transfer as a user meets it.
+// cogrsim transfer and cogrsim policy import as a user meets them.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -212,4 +212,71 @@ TEST_CASE("what differs between engines is ranked, and the first difference of r
     arguments.insert(arguments.end(), wrong.begin(), wrong.end());
     CHECK(cogrsim_run(arguments).status == 2);
   }
+}
+
+TEST_CASE("an import writes a card, replaces nothing, and asks with a status of 1", "[import]") {
+  const PolicyFolder folder;
+  const std::string source = folder.path("arm.yaml"), card = folder.path("new.policy.yaml");
+  folder.write("arm.yaml", R"(policy_path: "{LEGGED_GYM_ROOT_DIR}/motion.pt"
+xml_path: "{LEGGED_GYM_ROOT_DIR}/arm.scene.xml"
+simulation_dt: 0.002
+control_decimation: 10
+kps: [40, 30]
+kds: [2, 2]
+default_angles: [0.1, -0.2]
+ang_vel_scale: 0.25
+dof_pos_scale: 1.0
+dof_vel_scale: 0.05
+action_scale: 0.25
+cmd_scale: [2.0, 2.0, 0.25]
+num_actions: 2
+num_obs: 17
+)");
+  OnnxWriter writer;
+  writer.input("obs", {1, 17}).output("actions", {1, 2});
+  writer.constant("w", {2, 17}, std::vector<float>(34, 0.01f));
+  folder.write("seventeen.onnx",
+               writer.node("Gemm", {"obs", "w"}, {"actions"}, {{"transB", 1}}).bytes());
+  const auto import = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"policy", "import", source});
+    return cogrsim_run(more);
+  };
+  const Outcome asked = import({"-o", card});
+  CHECK(asked.status == 1);
+  CHECK_THAT(asked.err, Contains("CG1514") && Contains("arm.yaml:1:14") && Contains("'fallen'"));
+  const std::vector<std::string> answers = {
+      "-o", card, "--network", folder.path("seventeen.onnx"), "--set", "fallen={height: 2 cm}"};
+  const Outcome written = import(answers);
+  INFO(written.err);
+  CHECK(written.status == 0);
+  CHECK(cogrsim_run({"policy", "check", card}).status == 0);
+  const Outcome ran =
+      cogrsim_run({"policy", "run", card, "-b", "cogrsim", "-d", "0.2", "--json", "-"});
+  CHECK(json::parse(ran.out)["stood"] == true);
+  // A card may have been edited since.
+  const Outcome again = import(answers);
+  CHECK(again.status != 0);
+  CHECK_THAT(again.err, Contains("--overwrite"));
+  auto over = answers;
+  over.push_back("--overwrite");
+  CHECK(import(over).status == 0);
+  // What does not fit is written as it is, and told.
+  over = {"-o", card, "--network", folder.path("net.onnx"), "--set", "fallen=~", "--overwrite"};
+  const Outcome unfit = import(over);
+  CHECK(unfit.status == 1);
+  CHECK_THAT(unfit.err, Contains("CG1506") && Contains("20 values"));
+  for (const auto& wrong : std::vector<std::vector<std::string>>{
+           {"policy", "import", source},
+           {"policy", "import", source, "-o", folder.path("a.yaml")},
+           {"policy", "import", source, "-o", card, "--set", "x"},
+           {"policy", "import", source, "-o", card, "--seed", "1"},
+           {"policy", "check", card, "--json", "-"},
+           {"policy", "check", card, card},
+           {"policy", "run", card, "--robot", source}}) {
+    INFO(wrong.back());
+    CHECK(cogrsim_run(wrong).status == 2);
+  }
+  const Outcome outside =
+      import({"-o", folder.path("study.policy.yaml"), "--network", "/bin/true"});
+  CHECK(outside.status == 1);
 }

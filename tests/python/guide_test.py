@@ -8,7 +8,30 @@ import shutil
 import sys
 import unittest
 
-from support import CART, ROOT, Case, main
+import numpy as np
+
+from support import CART, ROOT, Case, constant, main, model, node, port
+
+
+# Seen from a pole that falls about y, downwards has the sine of its pitch as x.
+BALANCE = """policy: 1
+robot: cart.scene.xml
+base: pole
+network: balance.onnx
+rate: 100 Hz
+joints: [rail]
+default-pose: 0 m
+observations:
+  - projected-gravity
+  - base-angular-velocity: {frame: world}
+actions: {kind: torque, scale: 1}
+"""
+
+
+def balance():
+    """The force on the cart: 80 N per rad and 10 N per rad/s."""
+    return model(port(11, "obs", (1, 6)), port(12, "force", (1, 1)),
+                 constant("w", np.array([[80.0], [0], [0], [0], [10], [0]])), node("MatMul", ["obs", "w"], ["force"]))
 
 
 class Guide(Case):
@@ -17,6 +40,8 @@ class Guide(Case):
         blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
         self.assertGreaterEqual(len(blocks), 8)
         shutil.copy(CART, self.folder / "cart.scene.xml")
+        (self.folder / "balance.policy.yaml").write_text(BALANCE)
+        (self.folder / "balance.onnx").write_bytes(balance())
         before = os.getcwd()
         os.chdir(self.folder)
         self.addCleanup(os.chdir, before)
@@ -28,6 +53,7 @@ class Guide(Case):
         self.assertEqual(len(names["seen"]), 51)  # with the present one
         self.assertEqual(names["other"].backend, "bullet")
         self.assertGreater(names["rewards"].min(), 0.5)
+        self.assertLess(np.abs(names["measured"][:, 4]).max(), 0.2)  # the pole stands in every world
         self.assertEqual(len(names["recording"]), 251)
         self.assertEqual(len(names["result"].table("bodies")), 2)
 

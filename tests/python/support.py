@@ -7,6 +7,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 CART = EXAMPLES / "070_batch" / "cart.scene.xml"
@@ -32,6 +34,46 @@ YARD = """<scene name="yard" version="1">
   <template name="pebble"><sphere name="stone" radius="2 cm" mass="10 g"/></template>
 </scene>
 """
+
+
+# ---- networks in ONNX, by the numbers of onnx.proto3
+
+def varint(value):
+    out = b""
+    while True:
+        out += bytes([(value & 127) | (128 if value > 127 else 0)])
+        value >>= 7
+        if not value:
+            return out
+
+
+def field(tag, value):
+    """A field of a protobuf message: whole numbers, bytes and texts."""
+    if isinstance(value, int):
+        return varint(tag << 3) + varint(value & (1 << 64) - 1)
+    value = value.encode() if isinstance(value, str) else value
+    return varint(tag << 3 | 2) + varint(len(value)) + value
+
+
+def constant(name, array):
+    return field(5, b"".join(field(1, n) for n in array.shape) + field(2, 1) + field(8, name) +
+                 field(9, np.ascontiguousarray(array, "<f4").tobytes()))
+
+
+def port(tag, name, dims):
+    shape = b"".join(field(1, field(1, n)) for n in dims)
+    return field(tag, field(1, name) + field(2, field(1, field(1, 1) + field(2, shape))))
+
+
+def node(kind, inputs, outputs, **attributes):
+    body = b"".join(field(1, n) for n in inputs) + b"".join(field(2, n) for n in outputs) + field(4, kind)
+    for name, value in attributes.items():
+        body += field(5, field(1, name) + field(3, value))
+    return field(1, body)
+
+
+def model(*parts):
+    return field(1, 8) + field(7, b"".join(parts)) + field(8, field(2, 17))
 
 
 class Case(unittest.TestCase):

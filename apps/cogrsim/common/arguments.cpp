@@ -54,8 +54,8 @@ std::map<std::string, std::string> settings_from(const std::vector<std::string>&
   return settings;
 }
 
-void add_json(CLI::App& command, std::string& to, const std::string& what) {
-  command
+CLI::Option* add_json(CLI::App& command, std::string& to, const std::string& what) {
+  return command
       .add_option("--json", to,
                   what + " to a file; without one, or to -, on the standard output, which then has "
                          "nothing else")

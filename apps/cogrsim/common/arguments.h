@@ -36,8 +36,8 @@ std::uint64_t seed_from(const std::string& argument);
 void add_list(CLI::App& command, const char* name, std::vector<std::string>& to, const char* text,
               const char* type);
 /// `--json [FILE|-]`: `to` is a file, "-", which it is without one, or empty. `what` is its help.
-void add_json(CLI::App& command, std::string& to,
-              const std::string& what = "Write the result as JSON");
+CLI::Option* add_json(CLI::App& command, std::string& to,
+                      const std::string& what = "Write the result as JSON");
 /// `--without`: what runs leave out.
 void add_without(CLI::App& command, std::vector<std::string>& to);
 /// The names in its arguments, see check_without().

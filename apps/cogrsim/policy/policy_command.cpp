@@ -18,6 +18,7 @@
 #include "common/refuse.h"
 #include "common/terminal.h"
 #include "policy/policy_case.h"
+#include "policy/policy_import.h"
 #include "policy/policy_scene.h"
 #include "policy/policy_watch.h"
 #include "run/run_log.h"
@@ -210,48 +211,110 @@ std::vector<double> command_from(const std::string& text) {
 void add_policy(CLI::App& app, int& status) {
   struct Arguments {
     PolicyOptions options;
-    std::string what, command, duration, step, seed;
+    PolicyImportOptions import;
+    std::string what, command, duration, step, seed, robot, network, base;
+    std::vector<std::string> files, set;
   };
   const auto arguments = std::make_shared<Arguments>();
   PolicyOptions& o = arguments->options;
   CLI::App& command = *app.add_subcommand(
-      "policy", "Check the card of a trained policy, or let it drive its robot");
+      "policy", "Check the card of a trained policy, let it drive its robot, or make one");
   command
-      .add_option("what", arguments->what,
-                  "check: compare the card with network and robot; run: let it drive")
+      .add_option(
+          "what", arguments->what,
+          "check: compare the card with network and robot; run: let it drive; import: make a "
+          "card of what Isaac Lab, unitree_rl_gym, unitree_rl_lab or mujoco_playground write")
       ->required()
-      ->check(CLI::IsMember({"check", "run"}))
-      ->type_name("check|run");
-  command.add_option("card", o.card, "Policy card")->required()->type_name("NAME.policy.yaml");
+      ->check(CLI::IsMember({"check", "run", "import"}))
+      ->type_name("check|run|import");
   command
-      .add_option("--command", arguments->command,
-                  "What is asked of the policy, such as \"0.5 0 0\"; default: the card's")
+      .add_option("files", arguments->files, "Policy card; for import: the files of the other tool")
+      ->required()
+      ->type_name("FILE...");
+  const auto of = [&](const char* what, CLI::Option* option) {
+    option->group(std::string("Options of ") + what);
+    return option;
+  };
+  of("run",
+     command.add_option("--command", arguments->command,
+                        "What is asked of the policy, such as \"0.5 0 0\"; default: the card's"))
       ->type_name("LIST");
-  command.add_option("-b,--backend", o.backend, "Backend; default: that of the scene, or bullet")
+  of("run", command.add_option("-b,--backend", o.backend,
+                               "Backend; default: that of the scene, or bullet"))
       ->type_name("NAME");
-  command.add_option("-d,--duration", arguments->duration, "Length of the run; default: 10 s")
+  of("run",
+     command.add_option("-d,--duration", arguments->duration, "Length of the run; default: 10 s"))
       ->type_name("T");
-  command
-      .add_option("--step", arguments->step, "Time step; default: the card's, or that of the scene")
+  of("run", command.add_option("--step", arguments->step,
+                               "Time step; default: the card's, or that of the scene"))
       ->type_name("DT");
-  command.add_option("--seed", arguments->seed, "Seed; default: that of the scene")->type_name("N");
-  add_json(command, o.json);
+  of("run", command.add_option("--seed", arguments->seed, "Seed; default: that of the scene"))
+      ->type_name("N");
+  of("run", add_json(command, o.json));
+  of("import", command.add_option("-o,--output", arguments->import.output, "Card to write"))
+      ->type_name("NAME.policy.yaml");
+  of("import", command.add_option("--robot", arguments->robot, "The robot: URDF, MJCF or scene"))
+      ->type_name("FILE");
+  of("import", command.add_option("--network", arguments->network, "The network: ONNX"))
+      ->type_name("FILE");
+  of("import", command.add_option("--base", arguments->base,
+                                  "Body or frame of the robot whose motion is observed"))
+      ->type_name("NAME");
+  add_list(command, "--set", arguments->set,
+           "Value of a key of the card, in YAML; ~: its default; may be repeated", "KEY=VALUE");
+  of("import", command.get_option("--set"));
   add_list(command, "--plugin-path", o.plugin_paths,
            "Folder with plugins, searched first; may be repeated", "DIR");
   command.footer(
       "Examples:\n"
       "  cogrsim policy check walker.policy.yaml\n"
       "  cogrsim policy run walker.policy.yaml --command \"0.5 0 0\" --backend mujoco -d 20s\n"
-      "A run ends when the robot falls, as the card defines it.\n"
-      "Exit status 0 it fits, or stood to the end; 1 it does not, or fell; 2 wrong usage.");
-  command.callback([&status, arguments] {
+      "  cogrsim policy import IO_descriptors.yaml env.yaml --robot anymal.urdf --network net.onnx "
+      "-o anymal.policy.yaml\n"
+      "A run ends when the robot falls, as the card defines it. An import asks for what the files "
+      "leave "
+      "open.\n"
+      "Exit status 0 it fits, stood to the end, or is written and fits; 1 it does not, or fell; 2 "
+      "wrong "
+      "usage.");
+  command.callback([&status, arguments, &command] {
     PolicyOptions& options = arguments->options;
+    const std::string& what = arguments->what;
+    // An option of another action would be ignored.
+    for (const CLI::Option* option : command.get_options())
+      if (const std::string group = option->get_group(); option->count() > 0 &&
+                                                         group.rfind("Options of ", 0) == 0 &&
+                                                         group != "Options of " + what)
+        throw UsageError(option->get_name(),
+                         Error(fmt::format("`policy {}` has no such option", what)));
+    if (what == "import") {
+      PolicyImportOptions& import = arguments->import;
+      import.sources = arguments->files;
+      const std::string ending = ".policy.yaml";
+      if (import.output.size() <= ending.size() ||
+          import.output.compare(import.output.size() - ending.size(), ending.size(), ending) != 0)
+        throw UsageError("--output", Error("name the card to write: -o NAME.policy.yaml"));
+      for (const auto& [key, value] : {std::pair{"robot", &arguments->robot},
+                                       {"network", &arguments->network},
+                                       {"base", &arguments->base}})
+        if (!value->empty()) import.answers.emplace_back(key, Json(*value).dump());
+      for (const std::string& text : arguments->set) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+          throw UsageError("--set", Error("'" + text + "' is not KEY=VALUE"));
+        import.answers.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+      }
+      status = import_policy(import, options.plugin_paths);
+      return;
+    }
+    if (arguments->files.size() != 1) throw UsageError("files", Error("name one card"));
+    options.card = arguments->files.front();
     if (!arguments->duration.empty())
       options.duration = time_from("--duration", arguments->duration, kAboveZero, kLongestDuration);
     if (!arguments->step.empty()) options.step = step_from(arguments->step);
     if (!arguments->seed.empty()) options.seed = seed_from(arguments->seed);
     options.command = command_from(arguments->command);
-    status = arguments->what == "check" ? check(options) : run(options);
+    status = what == "check" ? check(options) : run(options);
   });
 }
 

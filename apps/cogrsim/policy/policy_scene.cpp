@@ -6,14 +6,13 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "cogrsim/core/random.h"
 #include "cogrsim/core/shown_text.h"
-#include "cogrsim/dsl/import_model.h"
 #include "cogrsim/dsl/loader_catalog.h"
+#include "cogrsim/dsl/policy_robot.h"
 #include "cogrsim/dsl/study.h"
 #include "common/output_file.h"
 #include "common/quantities.h"
@@ -32,52 +31,6 @@ int outermost(const SceneModel& model, int body) {
   while (assembly >= 0 && model.assemblies[std::size_t(assembly)].parent >= 0)
     assembly = model.assemblies[std::size_t(assembly)].parent;
   return assembly;
-}
-
-bool is_model_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(dsl::Limits().file_bytes, '\0');  // beyond it no file is read
-  file.read(text.data(), std::streamsize(text.size()));
-  return dsl::is_foreign_model(std::string_view(text).substr(0, std::size_t(file.gcount())));
-}
-
-// A robot in another format, as a scene in memory that refers to its meshes where they are.
-dsl::CompileResult compile_robot(const PolicyCard& card, dsl::LoaderCatalog& catalog,
-                                 std::vector<Diagnostic>& found, std::vector<std::string>& files) {
-  dsl::CompileOptions compile;
-  compile.plugins = &catalog;
-  if (!is_model_file(card.robot)) return dsl::compile_file(card.robot, compile);
-  dsl::ImportOptions options;
-  options.keyframe = card.keyframe;
-  options.refer = true;
-  options.plugins = &catalog;
-  const bool gains = !card.actions.kp.empty() || !card.actions.kd.empty();
-  options.drives = gains || card.actions.kind == PolicyActionKind::torque
-                       ? dsl::ImportDrives::torque
-                   : card.actions.kind == PolicyActionKind::velocity ? dsl::ImportDrives::velocity
-                                                                     : dsl::ImportDrives::position;
-  const dsl::ImportResult imported = dsl::import_model(card.robot, options);
-  found.insert(found.end(), imported.diagnostics.begin(), imported.diagnostics.end());
-  files = imported.files_read;
-  if (imported.scene.empty()) return {};
-  if (!imported.files.empty()) {
-    found.push_back(policy_finding(
-        card, "robot", "CG1505", "some of the robot's meshes must be written beside its scene",
-        fmt::format("import it: cogrsim import {} -o robot.scene.xml, and name that scene",
-                    one_line(card.robot))));
-    return {};
-  }
-  for (const dsl::ImportEntry& entry : imported.entries) {
-    if (entry.fidelity != dsl::Fidelity::left_out || !entry.moves) continue;
-    Diagnostic d =
-        policy_finding(card, "robot", "CG1508",
-                       fmt::format("the import leaves out {}: {}", entry.element, entry.message),
-                       "`cogrsim import` reports all");
-    d.severity = Severity::warning;
-    found.push_back(std::move(d));
-  }
-  const std::string name = (fs::path(card.robot).parent_path() / "robot.scene.xml").string();
-  return dsl::compile_text(imported.scene, name, compile);
 }
 
 }  // namespace
@@ -245,7 +198,8 @@ PolicyScene load_policy(const std::string& path, const std::vector<std::string>&
         policy_finding(*out.card, "network", e.code, e.where + ": " + e.message, e.hint));
   }
   dsl::LoaderCatalog catalog(out.loader);
-  const dsl::CompileResult compiled = compile_robot(*out.card, catalog, out.found, out.files);
+  const dsl::CompileResult compiled =
+      dsl::compile_policy_robot(*out.card, catalog, out.found, out.files);
   out.found.insert(out.found.end(), compiled.diagnostics.begin(), compiled.diagnostics.end());
   out.model = compiled.model;
   if (out.model) out.robot = find_policy_robot(*out.card, *out.model, out.found);
@@ -253,6 +207,20 @@ PolicyScene load_policy(const std::string& path, const std::vector<std::string>&
     if (const auto changed = change_model(settings, out); !changed)
       out.found.push_back(to_diagnostic(changed.error()));
   return out;
+}
+
+SceneModelPtr load_policy_robot(const PolicyCard& card,
+                                const std::vector<std::string>& plugin_paths,
+                                std::vector<Diagnostic>& found) {
+  dsl::LoaderCatalog catalog(std::make_shared<PluginLoader>(plugin_paths));
+  std::vector<Diagnostic> all;
+  std::vector<std::string> files;
+  const dsl::CompileResult compiled = dsl::compile_policy_robot(card, catalog, all, files);
+  all.insert(all.end(), compiled.diagnostics.begin(), compiled.diagnostics.end());
+  // Warnings come again when the card is read.
+  for (Diagnostic& d : all)
+    if (d.severity == Severity::error) found.push_back(std::move(d));
+  return compiled.model;
 }
 
 Result<SceneModelPtr> with_policy(const PolicyScene& scene, const std::vector<double>& command) {

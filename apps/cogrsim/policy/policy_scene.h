@@ -51,6 +51,11 @@ inline constexpr PolicySetting kPolicySettings[] = {
 PolicyScene load_policy(const std::string& card, const std::vector<std::string>& plugin_paths,
                         const PolicySettings& settings = {});
 
+/// The robot of a card that is not written yet, with motors for its actions. nullptr: `found` has why.
+SceneModelPtr load_policy_robot(const PolicyCard& card,
+                                const std::vector<std::string>& plugin_paths,
+                                std::vector<Diagnostic>& found);
+
 /// A number of the settings in SI units; `other` where there is none. Errors: not a number, or of another
 /// unit.
 Result<double> setting_number(const PolicySettings& settings, const std::string& name,

@@ -7,22 +7,27 @@ std::vector<CodeInfo> policy_codes() {
   const Severity error = Severity::error;
   return {
       {"CG1501", error, "a policy card that cannot be read",
-       "The file is not there, is no YAML map, has more than 1 MB, is nested deeper than 16, or uses "
+       "The file is not there, is no YAML map, has more than 1 MB, is nested deeper than 16, or "
+       "uses "
        "aliases.",
-       "Correct it at the place that the message names.",
-       "bad:  rate: [50 Hz\ngood: rate: 50 Hz"},
+       "Correct it at the place that the message names.", "bad:  rate: [50 Hz\ngood: rate: 50 Hz"},
       {"CG1502", error, "a word that policy cards do not have",
-       "A key, a term of the observations or a kind of actions is not known, or a key stands twice.",
+       "A key, a term of the observations or a kind of actions is not known, or a key stands "
+       "twice.",
        "Correct it; the message states the nearest one, or all.",
        "bad:  - joint-position\ngood: - joint-positions"},
       {"CG1503", error, "a value of the wrong kind in a policy card",
-       "The value is no number, list, word or map as its key needs it, is out of range, has the wrong "
-       "unit or lacks one, or names a file that does not exist or lies outside of the card's folder.",
+       "The value is no number, list, word or map as its key needs it, is out of range, has the "
+       "wrong "
+       "unit or lacks one, or names a file that does not exist or lies outside of the card's "
+       "folder.",
        "Write the value as the message says. Angles need their unit.",
        "bad:  default-pose: 0 0.9 -1.8\ngood: default-pose: 0 0.9 -1.8 rad"},
       {"CG1504", error, "what a policy card leaves open",
-       "The card lacks something without which the policy would do other things than in its training: "
-       "whose axes a velocity is in, what is added to the actions, whether the last action is clipped.",
+       "The card lacks something without which the policy would do other things than in its "
+       "training: "
+       "whose axes a velocity is in, what is added to the actions, whether the last action is "
+       "clipped.",
        "Look it up where the policy was trained, and write it.",
        "bad:  - base-linear-velocity\ngood: - base-linear-velocity: {frame: base}"},
       {"CG1505", error, "a name that the robot of a policy does not have",
@@ -31,7 +36,8 @@ std::vector<CodeInfo> policy_codes() {
        "bad:  joints: [hip, knie]\ngood: joints: [hip, knee]"},
       {"CG1506", error, "sizes of a policy that do not add up",
        "The observations have more or fewer values than the network's input, the joints than its "
-       "output, a list more or fewer entries than there are joints or values, or the network has an "
+       "output, a list more or fewer entries than there are joints or values, or the network has "
+       "an "
        "input or output that the card does not name.",
        "Compare the terms, which the message adds up, with those of the training.",
        "bad:  scale: [2, 2]\ngood: scale: [2, 2, 0.25]"},
@@ -41,7 +47,8 @@ std::vector<CodeInfo> policy_codes() {
        "bad:  actions: {kind: position, …}, with motors in mode torque\n"
        "good: actions: {kind: position, kp: 100, kd: 2, …}"},
       {"CG1508", Severity::warning, "a policy's robot that may not be the one of its training",
-       "The default pose lies beyond the limits of a joint, or the import leaves something out that may "
+       "The default pose lies beyond the limits of a joint, or the import leaves something out "
+       "that may "
        "change how the robot moves.",
        "Check the order of the joints, and what `cogrsim import` reports.",
        "bad:  joints: [knee, hip] with the pose of hip and knee\ngood: joints: [hip, knee]"},
@@ -63,6 +70,21 @@ std::vector<CodeInfo> policy_codes() {
        "A node reads what nothing before it makes, a value is made twice, or shapes do not fit.",
        "The file is damaged, or was changed by hand: export it again.",
        "bad:  a node that reads its own output"},
+      {"CG1514", error, "what the files of another tool leave open about a policy",
+       "A card needs it, and the files that `cogrsim policy import` was given do not have it: the "
+       "file of "
+       "the robot, the body that is observed, when it counts as fallen, or a number that only the "
+       "program "
+       "of that tool has.",
+       "Answer as the message says, with --robot, --network, --base or --set KEY=VALUE; --set "
+       "KEY=~ takes "
+       "the default.",
+       "bad:  cogrsim policy import g1.yaml -o g1.policy.yaml\n"
+       "good: cogrsim policy import g1.yaml --network g1.onnx --set fallen=~ -o g1.policy.yaml"},
+      {"CG1515", error, "a policy that a card cannot describe",
+       "The files of another tool have an observation, action or actuator that cards do not have.",
+       "Where an answer comes near, the message names its key. Else write a controller for it.",
+       "bad:  full_path: isaaclab.envs.mdp.observations.image"},
   };
 }
 

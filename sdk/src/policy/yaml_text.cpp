@@ -24,6 +24,7 @@ struct Bounds final : YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    if (aliases) return;
     throw YAML::Exception(mark, "aliases are not read: write the value again");
   }
   void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
@@ -39,9 +40,11 @@ struct Bounds final : YAML::EventHandler {
   }
   void OnMapEnd() override { --depth; }
   void deeper(const YAML::Mark& mark) {
-    if (++depth > kDeepest) throw YAML::Exception(mark, fmt::format("nested deeper than {}", kDeepest));
+    if (++depth > kDeepest)
+      throw YAML::Exception(mark, fmt::format("nested deeper than {}", kDeepest));
   }
   int depth = 0;
+  bool aliases = false;
 };
 
 std::string shown(const std::string& text) { return one_line(text.substr(0, 60)); }
@@ -66,6 +69,7 @@ bool YamlText::parse() {
       throw YAML::Exception(YAML::Mark::null_mark(), "it has more than 1 MB");
     std::istringstream bounded(text_);
     Bounds bounds;
+    bounds.aliases = aliases_;
     YAML::Parser(bounded).HandleNextDocument(bounds);
     root_ = YAML::Load(text_);
     if (root_.IsMap()) return true;
@@ -207,7 +211,7 @@ std::optional<std::vector<std::string>> YamlText::words(const YAML::Node& node,
                                                         const std::string& what) {
   if (!node.IsDefined()) return std::nullopt;
   std::vector<std::string> out;
-  if (node.IsSequence()) {
+  if (node.IsSequence() && node.size() <= 10000) {
     for (const auto& each : node) {
       const auto name = word(each, what);
       if (!name) return std::nullopt;
@@ -215,7 +219,7 @@ std::optional<std::vector<std::string>> YamlText::words(const YAML::Node& node,
     }
     return out;
   }
-  error(node, "CG1503", what + " is a list");
+  error(node, "CG1503", what + " is a list" + (node.IsSequence() ? " of at most 10000" : ""));
   return std::nullopt;
 }
 

@@ -19,7 +19,11 @@ class YamlText {
 
   /// Parses. Errors (CG1501): not YAML, no map, over 1 MB, nested deeper than 16, aliases.
   bool parse();
+  /// Files that programs write have aliases, too. Their readers look at keys that they know, and never at
+  /// all that an alias stands for.
+  void allow_aliases() { aliases_ = true; }
   const YAML::Node& root() const { return root_; }
+  const std::string& text() const { return text_; }
   /// Puts `value`, in YAML, in the place of what `key` has: "actions.delay". Entries of lists are numbers,
   /// or the names of terms. "~" takes it away. Errors: as parse(); CG1502 there is no such place.
   void change(const std::string& key, const std::string& value);
@@ -46,6 +50,7 @@ class YamlText {
 
  private:
   std::string file_, text_;
+  bool aliases_ = false;
   YAML::Node root_;
 };
 

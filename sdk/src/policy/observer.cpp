@@ -1,26 +1,25 @@
-#include "observer.h"
+#include "cogrsim/policy/observer.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "cogrsim/core/constants.h"
 
-namespace policy_plugin {
+namespace cogrsim {
 
-using cogrsim::PolicyObservation;
-using cogrsim::PolicyTerm;
-using cogrsim::Vec3;
+namespace {
 using Values = std::vector<double>;
+}
 
-Observer::Observer(const cogrsim::PolicyCard& card, double step,
-                   std::function<double(double, double)> uniform)
+PolicyObserver::PolicyObserver(const PolicyCard& card, double step,
+                               std::function<double(double, double)> uniform)
     : card_(card), step_(step), uniform_(std::move(uniform)), terms_(card.observations.size()) {}
 
-std::size_t Observer::steps_late(const PolicyObservation& o) const {
+std::size_t PolicyObserver::steps_late(const PolicyObservation& o) const {
   return static_cast<std::size_t>(std::lround(o.delay / step_));
 }
 
-Values Observer::measured(const PolicyObservation& o, const Measured& now) const {
+Values PolicyObserver::measured(const PolicyObservation& o, const PolicyMeasured& now) const {
   const auto list = [](const Vec3& v) { return Values{v.x(), v.y(), v.z()}; };
   const auto turned = [&](const Vec3& v) { return list(o.world ? v : now.base.q.conjugate() * v); };
   switch (o.term) {
@@ -44,7 +43,7 @@ Values Observer::measured(const PolicyObservation& o, const Measured& now) const
   }
 }
 
-void Observer::measure(const Measured& now) {
+void PolicyObserver::measure(const PolicyMeasured& now) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const PolicyObservation& o = card_.observations[i];
     Values values = measured(o, now);
@@ -58,15 +57,15 @@ void Observer::measure(const Measured& now) {
   }
 }
 
-Values Observer::phase(const PolicyObservation& o, Term& term, const Values& command) const {
+Values PolicyObserver::phase(const PolicyObservation& o, Term& term, const Values& command) const {
   double size = 0.0;
   for (const double c : command) size += c * c;
   size = std::sqrt(size);
   Values sines, cosines;
   for (const double offset : o.offsets) {
     const double turns = size < o.still ? 0.5 : term.phase + offset;
-    sines.push_back(std::sin(2 * cogrsim::kPi * turns));
-    cosines.push_back(std::cos(2 * cogrsim::kPi * turns));
+    sines.push_back(std::sin(2 * kPi * turns));
+    cosines.push_back(std::cos(2 * kPi * turns));
   }
   const double share =
       o.fastest_at > 0.0 && size >= o.still ? std::min(size / o.fastest_at, 1.0) : 0.0;
@@ -78,17 +77,17 @@ Values Observer::phase(const PolicyObservation& o, Term& term, const Values& com
   return first;
 }
 
-double Observer::noise(const PolicyObservation& o) const {
+double PolicyObserver::noise(const PolicyObservation& o) const {
   double out = o.uniform > 0.0 ? uniform_(-o.uniform, o.uniform) : 0.0;
   // G. Box, M. Muller, A Note on the Generation of Random Normal Deviates, 1958
   if (o.normal > 0.0)
     out += o.normal * std::sqrt(-2.0 * std::log(1.0 - uniform_(0.0, 1.0))) *
-           std::cos(2 * cogrsim::kPi * uniform_(0.0, 1.0));
+           std::cos(2 * kPi * uniform_(0.0, 1.0));
   return out;
 }
 
-std::vector<float> Observer::decide(const Values& command, const Values& raw,
-                                    const Values& clipped) {
+std::vector<float> PolicyObserver::decide(const Values& command, const Values& raw,
+                                          const Values& clipped) {
   std::vector<float> out;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const PolicyObservation& o = card_.observations[i];
@@ -122,7 +121,7 @@ std::vector<float> Observer::decide(const Values& command, const Values& raw,
   return out;
 }
 
-void Observer::save(MemoryWriter& memory) const {
+void PolicyObserver::save(PolicyMemoryWriter& memory) const {
   for (const Term& term : terms_) {
     memory.number(term.phase);
     for (const auto* rows : {&term.late, &term.history}) {
@@ -132,7 +131,7 @@ void Observer::save(MemoryWriter& memory) const {
   }
 }
 
-void Observer::restore(MemoryReader& memory) {
+void PolicyObserver::restore(PolicyMemoryReader& memory) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     Term& term = terms_[i];
     term.phase = memory.number();
@@ -149,4 +148,28 @@ void Observer::restore(MemoryReader& memory) {
   }
 }
 
-}  // namespace policy_plugin
+PolicyPorts policy_ports(const PolicyCard& card, const PolicyNetwork& network) {
+  PolicyPorts out;
+  const auto index_of = [](const std::vector<NetworkPort>& ports, const std::string& name) {
+    return static_cast<std::size_t>(
+        std::find_if(ports.begin(), ports.end(),
+                     [&](const NetworkPort& p) { return p.name == name; }) -
+        ports.begin());
+  };
+  const auto& inputs = network.inputs();
+  const auto& outputs = network.outputs();
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (inputs[i].name == card.input ||
+        (card.input.empty() && card.state.count(inputs[i].name) == 0))
+      out.observed = i;
+  for (const auto& [in, from] : card.state)
+    out.feedback.emplace_back(index_of(inputs, in), index_of(outputs, from));
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const bool kept = std::any_of(card.state.begin(), card.state.end(),
+                                  [&](const auto& each) { return each.second == outputs[i].name; });
+    if (outputs[i].name == card.output || (card.output.empty() && !kept)) out.acting = i;
+  }
+  return out;
+}
+
+}  // namespace cogrsim

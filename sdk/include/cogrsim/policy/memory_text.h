@@ -1,4 +1,4 @@
-// Lists of numbers as text, for snapshots.
+// Lists of numbers as text, for the snapshots of policies.
 #pragma once
 
 #include <charconv>
@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace policy_plugin {
+namespace cogrsim {
 
-class MemoryWriter {
+class PolicyMemoryWriter {
  public:
   template <class Number>
   void list(const std::vector<Number>& numbers) {
@@ -24,9 +24,9 @@ class MemoryWriter {
   std::string text;
 };
 
-class MemoryReader {
+class PolicyMemoryReader {
  public:
-  explicit MemoryReader(const std::string& text)
+  explicit PolicyMemoryReader(const std::string& text)
       : at_(text.data()), end_(text.data() + text.size()) {}
 
   /// A list of this size. Throws std::runtime_error.
@@ -37,7 +37,7 @@ class MemoryReader {
   }
   /// The size of the next list, which is read afterwards.
   std::size_t size() const {
-    MemoryReader ahead = *this;
+    PolicyMemoryReader ahead = *this;
     return ahead.next<std::size_t>();
   }
   double number() {
@@ -59,4 +59,4 @@ class MemoryReader {
   const char *at_, *end_;
 };
 
-}  // namespace policy_plugin
+}  // namespace cogrsim

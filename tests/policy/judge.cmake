@@ -1,0 +1,30 @@
+# Networks of our own, evaluated by ONNX Runtime from npm: see judge/judge.mjs.
+# Says "skipped:" where there is no node or npm, or no registry.
+find_program(NODE node)
+find_program(NPM npm)
+if(NOT NODE OR NOT NPM)
+  message("skipped: node and npm are not installed; with them ONNX Runtime would evaluate networks")
+  return()
+endif()
+file(MAKE_DIRECTORY "${WORK_DIR}")
+foreach(file package.json package-lock.json judge.mjs)
+  configure_file("${SOURCE_DIR}/judge/${file}" "${WORK_DIR}/${file}" COPYONLY)
+endforeach()
+if(NOT EXISTS "${WORK_DIR}/node_modules/.package-lock.json"
+   OR "${SOURCE_DIR}/judge/package-lock.json" IS_NEWER_THAN "${WORK_DIR}/node_modules/.package-lock.json")
+  # Its script after the installation would only fetch CUDA.
+  execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY "${WORK_DIR}"
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message("skipped: npm could not install onnxruntime-node\n${output}")
+    return()
+  endif()
+endif()
+foreach(command "${WRITER}" "${NODE};judge.mjs")
+  execute_process(COMMAND ${command} WORKING_DIRECTORY "${WORK_DIR}" RESULT_VARIABLE status
+    OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  message("${output}")
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${command}: exit status ${status}")
+  endif()
+endforeach()
