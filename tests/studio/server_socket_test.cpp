@@ -3,10 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "server/mailbox.h"
+#include "net/mailbox.h"
 #include "server_client.h"
 
 using namespace cogrsim::studio;
+using cogrsim::net::Mailbox;
 using Catch::Matchers::Contains;
 
 namespace {
