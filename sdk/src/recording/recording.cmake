@@ -28,6 +28,9 @@ target_sources(cogrsim_sdk PRIVATE
   ${here}/frame_tables.cpp
   ${here}/recording.cpp
   ${here}/recording_file.cpp
+  ${here}/run_encoder.cpp
+  ${here}/run_queue.cpp
+  ${here}/run_stream.cpp
   ${here}/run_writer.cpp
   ${here}/mcap/scene_messages.cpp
   ${made}/schemas.cpp)
