@@ -38,7 +38,8 @@ void RunStream::Impl::encode_items() {
   bool more = true;
   while (more) {
     more = queue->take(taken, kEncodingLook);
-    if (sink.asks_again() && last) encoder.again(*last, number);
+    // A run that goes on has a next frame for those who ask.
+    if (taken.empty() && last && sink.asks_again()) encoder.again(*last, number);
     for (RunQueue::Item& item : taken) {
       for (const RunMessage& message : item.messages) encoder.message(message);
       const std::size_t bytes = item.bytes;
