@@ -29,7 +29,8 @@ packages=(
   catch2 liborocos-kdl-dev liburdfdom-dev
 )
 # What tests run beside that.
-test_packages=(python3-onnx libxml2-utils lighttpd lighttpd-mod-webdav openssl chromium fonts-dejavu-core zsh fish gdb mkdocs mkdocs-material)
+test_packages=(python3-onnx libxml2-utils lighttpd lighttpd-mod-webdav openssl chromium fonts-dejavu-core zsh fish gdb mkdocs mkdocs-material
+  python3-websockets)
 # The packages of each backend.
 for list in "$repo"/{backends,renderers}/*/packages.txt; do
   mapfile -t -O ${#packages[@]} packages <"$list"

@@ -148,6 +148,7 @@ const std::vector<Case>& cases() {
        "/",
        {"transfer", "CARD", "-b", "cogrsim", "--seeds", "1", "-d", "0.1", "-o", "OUT"}},
       {"--csv", "/", {"replay", "RUN", "--csv", "OUT"}},
+      {"--ros2", ".mcap", {"replay", "RUN", "--ros2", "OUT"}},
       {"-o,--output", "/", {"replay", "RUN", "--render", "top", "--at", "0.05", "-o", "OUT"}},
       {"-o,--output", "/", {"sweep", "SCENE", "--seeds", "1", "--backends", "toy", "-o", "OUT"}},
       {"--junit", ".xml", {"test", "SCENE", "--backends", "toy", "--junit", "OUT"}},

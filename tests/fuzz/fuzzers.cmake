@@ -141,8 +141,9 @@ if(TARGET cogrsim_share_lib)
   cogrsim_add_fuzzer(package ${files})
 endif()
 if(TARGET cogrsim_studio_lib)
-  cogrsim_with_folder(${server} files http mailbox server token)
-  cogrsim_add_fuzzer(http ${files})
+  cogrsim_with_folder(${server} files http server token)
+  cogrsim_with_folder(${PROJECT_SOURCE_DIR}/apps/cogrsim/net net http mailbox server)
+  cogrsim_add_fuzzer(http ${files} ${net})
   cogrsim_with_folder(${server} files complete document document_file document_history
     document_json engine engine_carry engine_record engine_scene engine_watch mass protocol_check
     run_live run_recorded run_requests run_scenes run_viewers run_wire scene_json series sources studio)

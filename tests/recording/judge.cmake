@@ -1,9 +1,10 @@
-# Records a run, and has the reference implementations from npm read it: see judge/judge.mjs.
+# Has the reference implementations from npm read a recording, its form in ROS 2, or a live run, as JUDGE
+# says: see judge/*.mjs.
 # Says "skipped:" where there is no node or npm; a registry that cannot be reached is a failure.
 find_program(NODE node)
 find_program(NPM npm)
 if(NOT NODE OR NOT NPM)
-  message("skipped: node and npm are not installed; with them @mcap/core would read a recording")
+  message("skipped: node and npm are not installed; with them npm's packages would judge")
   return()
 endif()
 
@@ -22,7 +23,7 @@ function(run what)
 endfunction()
 
 file(MAKE_DIRECTORY "${WORK_DIR}")
-foreach(file package.json package-lock.json judge.mjs)
+foreach(file package.json package-lock.json ${JUDGE}.mjs)
   configure_file("${SOURCE_DIR}/judge/${file}" "${WORK_DIR}/${file}" COPYONLY)
 endforeach()
 if(NOT EXISTS "${WORK_DIR}/node_modules/.package-lock.json"
@@ -34,8 +35,17 @@ if(NOT EXISTS "${WORK_DIR}/node_modules/.package-lock.json"
   endif()
 endif()
 file(COPY "${SOURCE_DIR}/scenes/" DESTINATION "${WORK_DIR}")
-run("run" COMMAND ${PROGRAM} run judged.scene.xml --backend bullet --record run.mcap)
-run("replay" OUTPUT frames.jsonl COMMAND ${PROGRAM} replay run.mcap --json -)
-run("info" OUTPUT info.json COMMAND ${PROGRAM} info run.mcap --json)
-run("verify" COMMAND ${PROGRAM} replay run.mcap --verify)
-run("judge" COMMAND ${NODE} judge.mjs run.mcap frames.jsonl info.json)
+if(JUDGE STREQUAL "judge")
+  run("run" COMMAND ${PROGRAM} run judged.scene.xml --backend bullet --record run.mcap)
+  run("replay" OUTPUT frames.jsonl COMMAND ${PROGRAM} replay run.mcap --json -)
+  run("info" OUTPUT info.json COMMAND ${PROGRAM} info run.mcap --json)
+  run("verify" COMMAND ${PROGRAM} replay run.mcap --verify)
+  run("judge" COMMAND ${NODE} judge.mjs run.mcap frames.jsonl info.json)
+elseif(JUDGE STREQUAL "ros2")
+  run("run" COMMAND ${PROGRAM} run live.scene.xml --backend bullet --set "turn=2 rad/s"
+    --record run.mcap)
+  run("replay" OUTPUT frames.jsonl COMMAND ${PROGRAM} replay run.mcap --json - --ros2 ros2.mcap)
+  run("judge" COMMAND ${NODE} ros2.mjs ros2.mcap run.mcap frames.jsonl)
+else()
+  run("judge" COMMAND ${NODE} live.mjs ${PROGRAM} live.scene.xml)
+endif()

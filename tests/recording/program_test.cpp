@@ -1,10 +1,10 @@
 // The program's commands about recordings, as a user's shell runs them.
 #include <catch2/catch.hpp>
 
-#include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <thread>
 
@@ -102,4 +102,31 @@ TEST_CASE("wrong arguments and files are reported") {
   CHECK(folder_is_missing.status == 1);
   CHECK(folder_is_missing.err.find("cannot write") != std::string::npos);
   CHECK(cogrsim_run({"replay", "--help"}).out.find("Examples:") != std::string::npos);
+}
+
+TEST_CASE("--live takes an address of this machine, and nothing else") {
+  for (const char* wrong : {"example.org", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "0",
+                            "[::1", "[::1]8765", "127.0.0.1:http", "another.scene.xml"}) {
+    const Outcome run = cogrsim_run({"run", kScene, "--live", wrong});
+    INFO(wrong << '\n' << run.err);
+    CHECK(run.status == 2);
+    CHECK_THAT(run.err, Catch::Contains("is not an address to listen at"));
+  }
+  // An address of documentation, which no machine has.
+  const Outcome foreign =
+      cogrsim_run({"run", kScene, "--backend", "bullet", "--live", "192.0.2.1:8765"});
+  CHECK(foreign.status == 1);
+  CHECK_THAT(foreign.err, Catch::Contains("cannot listen at 192.0.2.1:8765"));
+  const Outcome alone = cogrsim_run({"run", kScene, "--live-origin", "https://viewer.example"});
+  CHECK(alone.status == 2);
+  CHECK_THAT(alone.err, Catch::Contains("only a run with --live has clients"));
+}
+
+TEST_CASE("a live run ends by itself where a duration is asked for") {
+  const Outcome run = cogrsim_run({"run", kScene, "--backend", "bullet", "--live", "--duration",
+                                   "0.1", "--speed", "max", "--json", "-"});
+  INFO(run.err);
+  CHECK(run.status == 0);
+  CHECK_THAT(run.err, Catch::Contains("live: ws://127.0.0.1:"));
+  CHECK(Json::parse(run.out)["status"] == "completed");
 }

@@ -3,10 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "server/mailbox.h"
+#include "net/mailbox.h"
 #include "server_client.h"
 
 using namespace cogrsim::studio;
+using cogrsim::net::Mailbox;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -63,6 +64,27 @@ TEST_CASE("a mailbox gives up beyond its limit", "[studio][mailbox]") {
   CHECK(box.waiting_bytes() == 0);
   CHECK_FALSE(box.put_text(bytes("x")));
   CHECK_FALSE(box.put_frame(bytes("x")));
+  CHECK(box.waiting_bytes() == 0);
+}
+
+TEST_CASE("a stream in a mailbox loses its oldest messages", "[studio][mailbox]") {
+  Mailbox box(1000, 10);
+  std::size_t dropped = 0;
+  CHECK(box.put_stream("h", bytes("four"), dropped));
+  box.put_stream("h", bytes("four"), dropped);
+  CHECK(dropped == 0);
+  CHECK(box.waiting_bytes() == 10);
+  box.put_stream("2", bytes("more"), dropped);
+  CHECK(dropped == 1);
+  box.put_stream("3", bytes(std::string(100, 'x')), dropped);  // alone it may be longer
+  CHECK(dropped == 3);
+  box.put_text(bytes("text"));
+  CHECK(*box.next()->bytes == "text");
+  const auto item = box.next();
+  CHECK(item->head == "3");
+  CHECK(item->bytes->size() == 100);
+  CHECK(item->binary);
+  CHECK_FALSE(box.next());
   CHECK(box.waiting_bytes() == 0);
 }
 

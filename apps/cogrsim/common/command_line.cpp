@@ -23,6 +23,7 @@
 #include "common/terminal.h"
 #include "import/export_command.h"
 #include "import/import_command.h"
+#include "live/live_options.h"
 #include "new/new_command.h"
 #include "policy/policy_command.h"
 #include "policy/transfer_command.h"
@@ -49,9 +50,10 @@ struct Arguments {
                                                                     picture = "png";
   int rows = 10;
   std::string seeds, shake, table;
-  std::string shell, command;
+  std::string shell, command, live;
+  std::vector<std::string> live_origins;
   bool chaos = false;
-  bool reference = false, man = false, events = false, watch = false;
+  bool with_live = false, reference = false, man = false, events = false, watch = false;
 };
 
 constexpr std::size_t kMostRepetitions = 10000;  // of a comparison
@@ -134,6 +136,14 @@ RunOptions run_from(const Arguments& arguments) {
   options.from = arguments.snapshot;
   options.saves = saves_from(arguments.save_at);
   options.events = arguments.events;
+  if (arguments.with_live) {
+    options.live = live_from(arguments.live);
+    options.live->origins = arguments.live_origins;
+    // What is watched has the pace of the world.
+    if (arguments.speed.empty()) options.speed = 1.0;
+  } else if (!arguments.live_origins.empty()) {
+    throw UsageError("--live-origin", Problem("only a run with --live has clients"));
+  }
   if (arguments.watch && options.json == "-") {
     throw UsageError("--watch", Problem("--json - is for one result, and here come several", "",
                                         "name a file, which has the latest: --json result.json"));
@@ -313,6 +323,21 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
                   "Resume from a snapshot; --backend, --set and --seed may differ from the saved "
                   "run, and what cannot be carried over is reported")
       ->type_name("FILE.snap");
+  const CLI::Option* const live =
+      command
+          .add_option(
+              "--live", arguments.live,
+              "Serve the run to Foxglove and other clients of its protocol, in real time and until "
+              "Ctrl-C unless --speed and --duration say otherwise; default: 127.0.0.1:8765")
+          ->type_name("ADDRESS")
+          ->expected(0, 1);
+  command
+      .add_option("--live-origin", arguments.live_origins,
+                  "A further page whose viewer may connect, such as https://viewer.example; may be "
+                  "repeated")
+      ->type_name("URL")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_flag("--events", arguments.events,
                    "Print every event as it occurs: time, kind, source, subject, message");
   command.add_flag(
@@ -330,10 +355,12 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim run robot.scene.xml --save-at 2s two.snap      then: what if the floor were icy?\n"
       "  cogrsim run robot.scene.xml --from two.snap --set friction=0.05\n"
       "  cogrsim run robot.scene.xml --events      who entered where, which door opened, and when\n"
+      "  cogrsim run robot.scene.xml --live      in Foxglove: open ws://localhost:8765\n"
       "  cogrsim run robot.scene.xml --watch --plots plots      while you work on it\n"
       "Ctrl-C ends the run and prints the result so far; exit status 0 good, 1 failed, 2 wrong "
       "usage.");
-  command.callback([&] {
+  command.callback([&, live] {
+    arguments.with_live = live->count() > 0;
     const RunOptions options = run_from(arguments);
     status = arguments.watch ? watch_command(options) : run_command(options);
   });
@@ -612,7 +639,8 @@ void add_table_pages(CLI::App& app, Arguments& arguments, int& status) {
       "  cogrsim completion bash > ~/.local/share/bash-completion/completions/cogrsim\n"
       "  cogrsim completion zsh > ~/.zfunc/_cogrsim      in a folder of $fpath\n"
       "  cogrsim completion fish > ~/.config/fish/completions/cogrsim.fish\n"
-      "Packages install all three. Cameras, views, tests, plots, bodies and parameters are those of the scene "
+      "Packages install all three. Cameras, views, tests, plots, bodies and parameters are those "
+      "of the scene "
       "or recording on the line.");
   completion.callback([&arguments, print] { print(completion_script(arguments.shell)); });
 }

@@ -35,6 +35,13 @@ struct SceneOptions {
   std::vector<std::string> without;  ///< see SimulationOptions
 };
 
+/// A run on the network: `--live`.
+struct LiveOptions {
+  std::string host = "127.0.0.1";    ///< address to listen at
+  unsigned short port = 0;           ///< 0: the usual one of the protocol, or any that is free
+  std::vector<std::string> origins;  ///< further pages that may connect: "https://viewer.example"
+};
+
 struct RunOptions {
   SceneOptions scene;
   std::string backend;
@@ -50,6 +57,7 @@ struct RunOptions {
   std::vector<Save> saves;  ///< snapshots, by time
   std::string from;         ///< a snapshot to resume from; empty: from the start
   bool events = false;      ///< print every event as it occurs
+  std::optional<LiveOptions> live;
 };
 
 struct CompareCommandOptions {

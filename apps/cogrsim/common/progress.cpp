@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/options.h"
 #include "common/output_file.h"
 #include "common/terminal.h"
 
@@ -24,6 +25,12 @@ std::string bar_text(double part, int width) {
 
 std::string progress_line(const std::string& title, double time, double duration, double elapsed,
                           int width) {
+  // Of a run that nobody ends beforehand there is nothing left to say.
+  if (duration >= kLongestDuration) {
+    const std::string speed = elapsed > 0.2 ? "  " + factor_text(time / elapsed) : "";
+    return shortened(fmt::format("{}  {:.2f} s{}", title, time, speed),
+                     static_cast<std::size_t>(std::max(width - 1, 2)));
+  }
   const double done = duration > 0.0 ? std::clamp(time / duration, 0.0, 1.0) : 0.0;
   std::string tail =
       fmt::format(" {:3.0f} %  {:.2f} s of {}", 100.0 * done, time, time_text(duration));

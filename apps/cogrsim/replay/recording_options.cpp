@@ -40,6 +40,10 @@ void add_replay(CLI::App& app, int& status) {
   command.add_option("--csv", options.csv, "Tables for spreadsheets and scripts, into this folder")
       ->type_name("DIR");
   command
+      .add_option("--ros2", options.ros2,
+                  "Messages of ROS 2 in an MCAP file, which ros2 bag, RViz and others read")
+      ->type_name("FILE.mcap");
+  command
       .add_option("--render", options.render,
                   "Pictures of a camera, or from a view (also front, back, left, right, top, "
                   "bottom, iso); may be repeated")
@@ -70,6 +74,7 @@ void add_replay(CLI::App& app, int& status) {
       "  cogrsim replay run.mcap --at 2.5 --json - | jq .bodies\n"
       "  cogrsim replay run.mcap --json - | jq -c '[.time, .sensors[\"bot.ir\"].values.distance]'\n"
       "  cogrsim replay run.mcap --csv tables\n"
+      "  cogrsim replay run.mcap --ros2 bag.mcap      then: ros2 bag play bag.mcap\n"
       "  cogrsim replay run.mcap --render bot.eye --render top -o pictures\n"
       "  cogrsim replay run.mcap --verify      readings depend on nothing but the frames");
   command.callback([arguments, &status] {
@@ -81,10 +86,11 @@ void add_replay(CLI::App& app, int& status) {
         throw CLI::ValidationError("--every", "'" + arguments->every + "' is not greater than zero");
       }
     }
-    if (chosen.json.empty() && chosen.csv.empty() && chosen.render.empty() && !chosen.verify) {
+    if (chosen.json.empty() && chosen.csv.empty() && chosen.ros2.empty() && chosen.render.empty() &&
+        !chosen.verify) {
       throw CLI::ValidationError(
           "replay",
-          "no output is asked for\nhelp: ask for --json, --csv, --render "
+          "no output is asked for\nhelp: ask for --json, --csv, --ros2, --render "
           "or --verify; cogrsim info lists what is in the file");
     }
     status = replay_command(chosen);

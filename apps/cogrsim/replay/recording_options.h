@@ -27,6 +27,7 @@ struct ReplayOptions {
   std::optional<double> at;         ///< one frame [s]; empty: all
   std::string json;                 ///< file, "-" or empty
   std::string csv;                  ///< folder or empty
+  std::string ros2;                 ///< file or empty
   std::vector<std::string> render;  ///< cameras and views
   std::string output = "pictures";  ///< folder of pictures
   double every = 0.04;              ///< time between pictures of a view [s]

@@ -12,6 +12,7 @@
 
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/recording/recording.h"
+#include "cogrsim/recording/ros2_writer.h"
 #include "cogrsim/rendering/framing.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_models.h"
@@ -291,6 +292,17 @@ Result<> each_frame(Recording& recording, const ReplayOptions& options, PluginLo
   return {};
 }
 
+void print_ros2(const std::string& file, const Ros2Writer::Summary& summary) {
+  std::uint64_t messages = 0;
+  for (const auto& [topic, count] : summary.messages) messages += count;
+  std::fputs(fmt::format("{} messages on {} topics in {}\n", messages, summary.messages.size(),
+                         one_line(file))
+                 .c_str(),
+             stderr);
+  for (const std::string& what : summary.left_out)
+    print_warning(fmt::format("{} has no message here: left out", what));
+}
+
 Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoader& loader) {
   const ChannelsOf channels = [&](int sensor) -> const std::vector<Channel>& {
     return recording.channels(sensor);
@@ -307,7 +319,15 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
     if (!created) return tl::unexpected(created.error());
     tables = std::move(*created);
   }
+  std::unique_ptr<Ros2Writer> ros2;
+  if (!options.ros2.empty()) {
+    auto created = Ros2Writer::create(options.ros2, output_rules());
+    if (!created) return tl::unexpected(created.error());
+    ros2 = std::move(*created);
+  }
+  Result<> written;
   auto done = each_frame(recording, options, loader, [&](const Frame& frame) {
+    if (ros2 && written) written = ros2->add(frame);
     if (lines) lines->add(frame_json(frame, channels));
     if (tables) tables->add(frame, channels);
   });
@@ -315,6 +335,12 @@ Result<> numbers(Recording& recording, const ReplayOptions& options, PluginLoade
   if (interrupted()) return nothing_written();
   if (done && lines) done = lines->finish();
   if (done && tables) done = tables->finish();
+  if (done) done = written;
+  if (done && ros2) {
+    const auto summary = ros2->finish();
+    if (!summary) return tl::unexpected(summary.error());
+    print_ros2(options.ros2, *summary);
+  }
   return done;
 }
 
@@ -334,7 +360,8 @@ int replay_command(const ReplayOptions& options) {
   }
   PluginLoader loader(options.plugin_paths);
   Result<> done;
-  if (!options.json.empty() || !options.csv.empty()) done = numbers(recording, options, loader);
+  if (!options.json.empty() || !options.csv.empty() || !options.ros2.empty())
+    done = numbers(recording, options, loader);
   if (done && !options.render.empty()) {
     PictureSource source{options, recording, loader, nullptr, 0};
     done = render(source);

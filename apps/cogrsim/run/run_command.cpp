@@ -8,17 +8,18 @@
 
 #include "cogrsim/simulation/snapshot_file.h"
 #include "common/interrupt.h"
-#include "run/run_log.h"
 #include "common/options.h"
 #include "common/output_file.h"
-#include "render/plots.h"
 #include "common/progress.h"
-#include "run/recording_start.h"
 #include "common/refuse.h"
-#include "run/run_measures.h"
-#include "run/run_result.h"
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "live/live.h"
+#include "render/plots.h"
+#include "run/recording_start.h"
+#include "run/run_log.h"
+#include "run/run_measures.h"
+#include "run/run_result.h"
 #include "watch/watch_link.h"
 #include "watch/watch_uses.h"
 
@@ -139,7 +140,10 @@ class SceneRun {
     result_.scene = scene_.model->name;
 
     const double step = options_.step > 0.0 ? options_.step : scene_.model->physics.step;
-    duration_ = duration_of(*scene_.model, options_.scene);
+    // Who watches decides how long: a scene's duration is for runs by themselves.
+    duration_ = options_.live && !options_.scene.duration
+                    ? kLongestDuration
+                    : duration_of(*scene_.model, options_.scene);
     if (const std::string problem = step_problem(step, duration_); !problem.empty()) {
       print_error(problem);
       result_.diagnostics.push_back(to_diagnostic(Error(problem.substr(0, problem.find('\n')))));
@@ -183,6 +187,9 @@ class SceneRun {
       if (!started) return fail_with(started.error());
       recorder_ = std::move(*started);
     }
+    if (options_.live) {
+      if (const auto failed = start_live()) return failed;
+    }
     if (!options_.plots.empty()) {
       auto attached = RunPlots::attach(*simulation_);
       if (!attached) return fail_with(attached.error());
@@ -198,9 +205,29 @@ class SceneRun {
                       " on: a snapshot does not hold what they saw before");
     }
     if (simulation_->time() > duration_ - 0.5 * simulation_->dt())
-      print_warning(fmt::format(
-          "the snapshot is of {}, where the run ends; ask for a longer --duration",
-          time_text(simulation_->time())));
+      print_warning(
+          fmt::format("the snapshot is of {}, where the run ends; ask for a longer --duration",
+                      time_text(simulation_->time())));
+    return std::nullopt;
+  }
+
+  std::optional<int> start_live() {
+    const RecordModel choices = scene_.model->record.value_or(RecordModel());
+    StreamOptions stream;
+    stream.contacts = choices.contacts;
+    stream.images = choices.images;
+    stream.jpeg = choices.jpeg;
+    auto started =
+        Live::start(*simulation_, *options_.live, stream, options_.speed, options_.scene.set);
+    if (!started) return fail_with(started.error());
+    live_ = std::move(*started);
+    fmt::print(stderr, "live: {}\n", live_->address());
+    if (!is_loopback(options_.live->host)) {
+      print_warning(
+          "others in the network reach this run: whoever does sees and may steer it, there is no "
+          "password, and nothing is encrypted\n"
+          "help: leave the address out and come by `ssh -L`");
+    }
     return std::nullopt;
   }
 
@@ -209,14 +236,16 @@ class SceneRun {
     // With --json - the standard output is JSON alone.
     std::FILE* const printed = options_.json == "-" ? stderr : standard_output();
     RunLog run_log(*simulation_, progress, options_.events ? printed : nullptr,
-                   !options_.json.empty());
+                   !options_.json.empty(), live_.get());
     RunStatus status = RunStatus::running;
     {
       const InterruptStops stops(*simulation_);
-      status = run_and_save(options_, *simulation_, duration_, progress, run_log, result_, saved_all);
+      status =
+          run_and_save(options_, *simulation_, duration_, progress, run_log, result_, saved_all);
       result_.wall_time = run_log.wall_time();
     }
     run_log.finish();
+    live_.reset();
     result_.messages = simulation_->messages();
     result_.events = run_log.events();
     result_.events_left_out = run_log.events_left_out();
@@ -261,6 +290,7 @@ class SceneRun {
   double duration_ = 0.0;  // [s]
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Live> live_;
   std::optional<RunPlots> plots_;
   std::optional<RunMeasures> measures_;
 };
@@ -269,6 +299,8 @@ class SceneRun {
 
 int run_command(const RunOptions& options) { return run_command(options, nullptr); }
 
-int run_command(const RunOptions& options, WatchLink* watch) { return SceneRun(options, watch).run(); }
+int run_command(const RunOptions& options, WatchLink* watch) {
+  return SceneRun(options, watch).run();
+}
 
 }  // namespace cogrsim::cli

@@ -9,6 +9,7 @@
 
 #include "common/scene_loading.h"
 #include "common/terminal.h"
+#include "live/live.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -34,15 +35,15 @@ std::string event_text(const Event& event) {
   return line;
 }
 
-RunLog::RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep)
-    : simulation_(simulation), progress_(progress), printed_events_(events) {
+RunLog::RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep, Live* live)
+    : simulation_(simulation), progress_(progress), printed_events_(events), live_(live) {
   print_messages();
   if (events == nullptr && !keep) return;
   simulation.observe({}, [this](const FramePtr& frame) { see(frame); });
 }
 
 RunStatus RunLog::run(double duration) {
-  constexpr double kPiece = 0.05;  // aimed-at wall time of a piece [s]
+  const double piece = live_ ? 0.01 : 0.05;  // aimed-at wall time of a piece [s]
   double steps = 1.0;
   RunStatus status = simulation_.status();
   while (simulation_.time() < duration - 0.5 * simulation_.dt()) {
@@ -53,9 +54,10 @@ RunStatus RunLog::run(double duration) {
     wall_time_ += took;
     print_messages();
     progress_.show(simulation_.time());
-    // Nothing can resume a run that a supervisor paused.
+    if (live_ && can_step(status)) status = live_->serve(duration);
+    // Nothing but a client can resume a run that a supervisor paused.
     if (!can_step(status) || simulation_.paused()) break;
-    steps = std::max(1.0, std::floor(steps * std::clamp(kPiece / std::max(took, 1e-9), 0.25, 4.0)));
+    steps = std::max(1.0, std::floor(steps * std::clamp(piece / std::max(took, 1e-9), 0.25, 4.0)));
   }
   return status;
 }

@@ -12,6 +12,8 @@
 
 namespace cogrsim::cli {
 
+class Live;
+
 /// Whether a run of this status can be stepped.
 inline bool can_step(RunStatus status) {
   return status == RunStatus::running || status == RunStatus::completed;
@@ -25,7 +27,9 @@ class RunLog {
   /// Prints the messages so far to stderr. `events`: where every event is printed, nullptr for
   /// nowhere; it observes every step only with `events` or `keep`. The progress line is removed
   /// before anything is printed. Simulation and progress must outlive the last step.
-  RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep);
+  /// `live`: serves clients between the pieces of run(); nullptr: none.
+  RunLog(Simulation& simulation, Progress& progress, std::FILE* events, bool keep,
+         Live* live = nullptr);
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
@@ -50,6 +54,7 @@ class RunLog {
   Simulation& simulation_;
   Progress& progress_;
   std::FILE* printed_events_;
+  Live* live_;
   double wall_time_ = 0.0;
   std::size_t messages_seen_ = 0;
   MessageBudget budget_;

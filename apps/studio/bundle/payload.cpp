@@ -6,7 +6,7 @@
 
 #include <zlib.h>
 
-#include "little_endian.h"
+#include "net/little_endian.h"
 #include "scene_json.h"
 
 namespace cogrsim::studio {
@@ -28,7 +28,7 @@ template <class Number>
 Json Payload::add_numbers(const std::vector<Number>& numbers) {
   std::string bytes;
   bytes.reserve(numbers.size() * sizeof(Number));
-  for (const Number number : numbers) put_number(bytes, number);
+  for (const Number number : numbers) net::put_number(bytes, number);
   return add(bytes);
 }
 
@@ -43,7 +43,7 @@ std::string Payload::finish(const Json& head) const {
   const std::string text = to_text(head);
   std::string all;
   all.reserve(text.size() + blocks_.size() + 16);
-  put_number(all, static_cast<std::uint32_t>(text.size()));
+  net::put_number(all, static_cast<std::uint32_t>(text.size()));
   all += text;
   align(all);
   all += blocks_;

@@ -1,7 +1,5 @@
 #include "http.h"
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cstdint>
 
@@ -14,75 +12,12 @@
 #include "token.h"
 
 namespace cogrsim::studio {
+
+using net::any_part, net::same_word, net::trimmed;
+
 namespace {
 
 constexpr std::size_t kLargestAsset = 64u << 20;  // [byte]
-
-// Scripts, pictures and connections of this server alone. The editor, the docking panels and the big
-// charts set styles on elements, which needs 'unsafe-inline' for styles.
-constexpr const char* kContentPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; font-src 'self'; "
-    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
-
-const char* reason_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 303:
-      return "See Other";
-    case 304:
-      return "Not Modified";
-    case 400:
-      return "Bad Request";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 408:
-      return "Request Timeout";
-    case 413:
-      return "Content Too Large";
-    case 426:
-      return "Upgrade Required";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return "Error";
-  }
-}
-
-bool same_word(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (std::tolower(static_cast<unsigned char>(a[i])) !=
-        std::tolower(static_cast<unsigned char>(b[i]))) {
-      return false;
-    }
-  }
-  return true;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
-// Calls `visit` for each part between separators, trimmed, until it returns true.
-template <class Visit>
-bool any_part(std::string_view list, char separator, const Visit& visit) {
-  while (true) {
-    const auto end = list.find(separator);
-    if (visit(trimmed(list.substr(0, end)))) return true;
-    if (end == std::string_view::npos) return false;
-    list.remove_prefix(end + 1);
-  }
-}
 
 bool accepts_gzip(std::string_view accepted) {
   return any_part(accepted, ',', [](std::string_view item) {
@@ -143,52 +78,8 @@ std::optional<FileContent> read_asset(const std::string& path) {
 
 }  // namespace
 
-std::string HttpAnswer::head(bool keep_alive) const {
-  std::string out = fmt::format("HTTP/1.1 {} {}\r\n", status, reason_of(status));
-  const auto add = [&](std::string_view name, std::string_view value) {
-    out.append(name).append(": ").append(value).append("\r\n");
-  };
-  for (const auto& [name, value] : headers) add(name, value);
-  if (status != 304) add("Content-Length", std::to_string(std::max(body.size(), lasting.size())));
-  add("Connection", keep_alive ? "keep-alive" : "close");
-  add("Content-Security-Policy", kContentPolicy);
-  add("X-Content-Type-Options", "nosniff");
-  add("Referrer-Policy", "no-referrer");
-  add("Cross-Origin-Opener-Policy", "same-origin");
-  add("Cross-Origin-Resource-Policy", "same-origin");
-  out += "\r\n";
-  return out;
-}
-
-std::string_view HttpAnswer::content() const {
-  if (!with_body || status == 304) return {};
-  return lasting.empty() ? std::string_view(body) : lasting;
-}
-
-HttpAnswer refusal(int status, std::string text) {
-  HttpAnswer answer;
-  answer.status = status;
-  answer.headers = {{"Content-Type", "text/plain; charset=utf-8"}, {"Cache-Control", "no-store"}};
-  answer.body = std::move(text) + "\n";
-  return answer;
-}
-
 Gate::Gate(Secrets secrets, unsigned short port, std::function<std::string(std::size_t)> asset)
     : secrets_(std::move(secrets)), port_(std::to_string(port)), asset_(std::move(asset)) {}
-
-// A name that an attacker's DNS server gives out may lead here (DNS rebinding): only addresses
-// that are this machine's, and the name that never leaves it, are answered.
-bool Gate::known_host(std::string_view host, std::string_view local_address) const {
-  std::string_view name = host, port = "80";
-  const auto colon = host.rfind(':');
-  if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos) {
-    name = host.substr(0, colon);
-    port = host.substr(colon + 1);
-  }
-  if (port != port_) return false;
-  return same_word(name, "localhost") || name == "127.0.0.1" || name == "[::1]" ||
-         (!local_address.empty() && same_word(name, local_address));
-}
 
 std::optional<Role> Gate::role_of(const std::vector<std::string_view>& protocols) const {
   bool ours = false;
@@ -274,16 +165,9 @@ HttpAnswer Gate::asset(std::string_view path, const HttpRequest& request) const 
 Gate::Decision Gate::decide(const HttpRequest& request) {
   const auto with = [&](HttpAnswer answer) {
     answer.with_body = request.method != "HEAD";
-    return Decision{std::move(answer), std::nullopt};
+    return Decision{std::move(answer), std::nullopt, {}};
   };
-  if (!request.one_host || request.host.empty()) {
-    return with(refusal(400, "A request needs one Host header."));
-  }
-  if (!known_host(request.host, request.local_address)) {
-    return with(refusal(403,
-                        "This server has another name. Open the address that was printed in "
-                        "the terminal."));
-  }
+  if (auto refused = host_refusal(request, port_)) return with(std::move(*refused));
   // The page is of this server, so its origin is the very address it asks.
   const bool own_origin = same_word(request.origin, "http://" + std::string(request.host));
   if (!request.origin.empty() && !own_origin) {
@@ -314,6 +198,7 @@ Gate::Decision Gate::decide(const HttpRequest& request) {
     if (!own_origin) return with(refusal(403, "A WebSocket needs an Origin header."));
     Decision decision;
     decision.upgrade = role_of(request.protocols);
+    decision.subprotocol = kSubprotocol;
     if (decision.upgrade) return decision;
     return with(refusal(403,
                         "This is CogRSim's studio, which needs a key: open the whole address, with "

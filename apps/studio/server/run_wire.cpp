@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "little_endian.h"
+#include "net/little_endian.h"
 #include "scene_json.h"
 
 namespace cogrsim::studio {
@@ -18,7 +18,7 @@ class Bytewriter {
 
   template <class Number>
   void put(Number value) {
-    put_number(out_, value);
+    net::put_number(out_, value);
   }
 
   void put_poses(const Frame& frame) {

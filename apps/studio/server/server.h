@@ -1,44 +1,25 @@
-// HTTP and WebSocket: access, answers and messages, without ever waiting for a client.
+// The studio's server: that of the program, and the tokens that let browsers in.
 #pragma once
 
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "cogrsim/core/result.h"
+#include "http.h"
+#include "net/server.h"
 #include "talk.h"
 
 namespace cogrsim::studio {
 
-struct ServerOptions {
-  std::string host = "127.0.0.1";         ///< an address of this machine, or "localhost"
-  unsigned short port = 0;                ///< 0: one of `preferred`, or any that is free
-  std::vector<unsigned short> preferred;  ///< the first that is free
+struct ServerOptions : net::ServerOptions {
+  ServerOptions() { acknowledgements = true; }
   std::string tokens;       ///< folder to keep tokens in, see kept_tokens(); empty: always new ones
   bool new_tokens = false;  ///< leave those that are kept, keep new ones
-  std::string goodbye;      ///< a text for all when the server ends; empty: none
-  struct Limits {
-    std::size_t message_bytes = 8u << 20;  ///< of one text from a page
-    /// The same of a viewer: the long ones are edits, and reading them takes time.
-    std::size_t viewer_message_bytes = 256u << 10;
-    std::size_t clients = 32;  ///< WebSockets at a time
-    std::size_t viewers = 24;  ///< of these: the others are for operators
-    /// TCP at a time. Beyond, the connection that has been silent or has read an answer for the
-    /// longest time is closed for the next one. WebSockets stay.
-    std::size_t connections = 128;
-    std::size_t of_one_address = 64;        ///< of these, WebSockets not counted
-    double messages_per_second = 400.0;     ///< of one client, on average; bursts of twice as many
-    double idle_seconds = 60.0;             ///< without an answer to a ping
-    double request_seconds = 10.0;          ///< for the request's head and body
-    std::size_t waiting_bytes = 32u << 20;  ///< texts that one client has not taken in
-  } limits;
 };
 
-class Server final : public Outbox {
+class Server final : public net::Server {
  public:
-  /// Listens; answers once run() is called. Errors: no such address, the port is taken.
+  /// As that of the program. Errors: also, the system has no randomness to give.
   static Result<std::unique_ptr<Server>> listen(const ServerOptions& options);
-  ~Server() override;
 
   /// "http://127.0.0.1:40213/#token=…", for operators, or for viewers.
   std::string address(Role role) const;
@@ -46,27 +27,15 @@ class Server final : public Outbox {
   std::string launch_address() const;
   /// "/asset/…/": the address before the numbers of textures.
   std::string assets() const;
-  std::size_t client_count() const;
 
-  /// Serves until stop(), on the calling thread; once. Later messages are dropped.
   void run(Inbox& inbox);
-  /// From any thread or a signal handler, also before run(): clients are sent the goodbye and have a
-  /// second to read their waiting messages.
-  void stop() noexcept;
-
-  void send(ClientId client, std::string text) override;
-  void send_all(std::string text) override;
-  void offer_frame(ClientId client, Bytes frame) override;
-  void offer_picture(ClientId client, const std::string& key, Bytes picture) override;
-  bool wants_picture(ClientId client) const override;
 
  private:
-  struct Impl;
-  friend class WebClient;
-  friend class Connection;
-  explicit Server(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
-  int stop_event_;  ///< written to by stop()
+  explicit Server(std::shared_ptr<Impl> impl) : net::Server(std::move(impl)) {}
+  Result<> make_secrets(bool new_tokens);
+
+  Gate::Secrets secrets_;
+  std::string tokens_;  // the folder
 };
 
 }  // namespace cogrsim::studio

@@ -10,44 +10,17 @@
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/core/result.h"
+#include "net/talk.h"
 
 namespace cogrsim::studio {
 
 using Json = nlohmann::json;
 
-using ClientId = std::uint64_t;  ///< counts from 1; never used twice
-enum class Role { viewer, operator_ };
-
-/// Immutable bytes that several clients may be sent.
-using Bytes = std::shared_ptr<const std::string>;
-
-/// Sends messages to the pages. From any thread; returns at once, whatever the network does.
-class Outbox {
- public:
-  virtual ~Outbox() = default;
-
-  /// A text message. A client that does not read its texts is cut off when too many wait.
-  virtual void send(ClientId client, std::string text) = 0;
-  /// To every client.
-  virtual void send_all(std::string text) = 0;
-
-  /// The client's newest frame: replaces one that still waits.
-  virtual void offer_frame(ClientId client, Bytes frame) = 0;
-  /// The client's newest picture of that key (kind and name): replaces one that still waits.
-  virtual void offer_picture(ClientId client, const std::string& key, Bytes picture) = 0;
-  /// Whether the client has taken in all pictures it was offered: only then is it worth rendering
-  /// more. From any thread.
-  virtual bool wants_picture(ClientId client) const = 0;
-};
+using net::Bytes, net::ClientId, net::Outbox, net::Role;
 
 /// Receives what comes from the network. Called from its thread; returns at once.
-class Inbox {
+class Inbox : public net::Inbox {
  public:
-  virtual ~Inbox() = default;
-  virtual void joined(ClientId client, Role role) = 0;
-  virtual void left(ClientId client) = 0;
-  /// A text message that is not an acknowledgement; at most as long as the network's limit.
-  virtual void received(ClientId client, std::string text) = 0;
   /// The file behind /asset/NUMBER: absolute path, "" for none. From the network's thread.
   virtual std::string asset(std::size_t number) = 0;
 };

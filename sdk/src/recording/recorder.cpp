@@ -1,5 +1,4 @@
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -10,11 +9,9 @@
 #include <fmt/format.h>
 
 #include "cogrsim/recording/recording.h"
-#include "cogrsim/rendering/renderer.h"
-#include "core/rate_timer.h"
 #include "recording/recording_file.h"
+#include "recording/run_queue.h"
 #include "recording/run_writer.h"
-#include "simulation/frame_pool.h"
 
 namespace cogrsim {
 
@@ -24,14 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk is closed at this size [byte]
 constexpr auto kChunkTime = std::chrono::milliseconds(400);  // … or at this age
-// The writer checks the queue at this interval and is woken up when the queue reaches this size,
-// because a wake-up costs a step more than the queueing.
-constexpr auto kLookTime = std::chrono::milliseconds(50);
-constexpr std::size_t kWakeBytes = 512u << 10;
-
-std::size_t bytes_of(const Picture& picture) {
-  return picture.color.data.size() + 4 * (picture.depth.size() + picture.bodies.size());
-}
+constexpr auto kLookTime = std::chrono::milliseconds(50);    // between looks at the queue
 
 }  // namespace
 
@@ -51,48 +41,10 @@ std::vector<Attachment> scene_files(const SceneModel& model, const std::string& 
 }
 
 struct Recorder::Impl {
-  /// Data from the run; shared with the observer, which may outlive the recorder.
-  struct Queue {
-    struct Item {
-      FramePtr frame;
-      bool keep = true;
-      std::uint64_t number = 0;
-      bool new_model = false;
-      std::vector<RunMessage> messages;
-      std::size_t bytes = 0;
-    };
-
-    std::mutex mutex;
-    std::condition_variable waiting;
-    std::deque<Item> items;
-    std::size_t bytes = 0;
-    bool closed = false;         ///< there are no further frames
-    bool failed = false;         ///< writing has failed
-    std::string problem;         ///< empty: none
-    std::uint64_t left_out = 0;  ///< number of dropped frames
-
-    // Used only by the thread of the run.
-    std::size_t limit = 0;
-    double every = 0.0;
-    RateTimer timer;
-    double last_time = 0.0;
-    std::uint64_t number = 0;
-    SceneModelPtr model;
-    std::size_t messages_seen = 0;
-    std::vector<const Picture*> pictures_seen;
-
-    void take_messages(const Simulation& simulation, std::vector<RunMessage>& out) {
-      const std::vector<RunMessage>& all = simulation.messages();
-      for (; messages_seen < all.size(); ++messages_seen) out.push_back(all[messages_seen]);
-    }
-    std::size_t new_pictures(const Frame& frame);
-    void observe(const Simulation& simulation, const FramePtr& frame);
-  };
-
   Simulation* simulation = nullptr;
   std::string path;
   Observation observation;
-  std::shared_ptr<Queue> queue = std::make_shared<Queue>();
+  std::shared_ptr<RunQueue> queue = std::make_shared<RunQueue>();
   RecordingFile* file = nullptr;  // owned by the writer
   std::unique_ptr<RunWriter> writer;
   std::thread thread;
@@ -101,59 +53,10 @@ struct Recorder::Impl {
   double recorded_until = 0.0;
 
   void write_items();
-  void write(Queue::Item& item);
+  void write(RunQueue::Item& item);
   void fail_with(const Error& error);
   Result<> end(const std::string& status);
 };
-
-// Images are large and shared by several frames, so each counts once.
-std::size_t Recorder::Impl::Queue::new_pictures(const Frame& frame) {
-  std::size_t bytes_found = 0;
-  pictures_seen.resize(frame.readings.size(), nullptr);
-  for (std::size_t i = 0; i < frame.readings.size(); ++i) {
-    const Picture* picture = frame.readings[i].picture.get();
-    if (picture != nullptr && picture != pictures_seen[i]) bytes_found += bytes_of(*picture);
-    pictures_seen[i] = picture;
-  }
-  return bytes_found;
-}
-
-void Recorder::Impl::Queue::observe(const Simulation& simulation, const FramePtr& frame) {
-  Item item;
-  item.frame = frame;
-  if (every > 0.0) {
-    if (frame->time < last_time) timer = RateTimer(1.0 / every);
-    last_time = frame->time;
-    const double dt = simulation.dt();
-    item.keep = timer.due(frame->time, dt);
-    if (item.keep) timer.advance(frame->time, dt);
-  }
-  if (item.keep) item.number = number++;
-  item.bytes = bytes_of(*frame) + new_pictures(*frame);
-  item.new_model = frame->model != model;
-  take_messages(simulation, item.messages);
-
-  std::lock_guard lock(mutex);
-  if (closed) return;
-  if (failed || bytes + item.bytes > limit) {
-    if (item.keep) ++left_out;
-    if (!failed && problem.empty()) {
-      problem = fmt::format(
-          "the disk is slower than the run: frames are left out of the recording from {:.6g} s on",
-          frame->time);
-    }
-    // Messages of the run are recorded anyway.
-    if (failed || item.messages.empty()) return;
-    item.frame.reset();
-    item.new_model = false;
-    item.bytes = 0;
-  } else if (item.new_model) {
-    model = frame->model;
-  }
-  bytes += item.bytes;
-  items.push_back(std::move(item));
-  if (bytes >= kWakeBytes) waiting.notify_one();
-}
 
 void Recorder::Impl::fail_with(const Error& error) {
   std::lock_guard lock(queue->mutex);
@@ -162,7 +65,7 @@ void Recorder::Impl::fail_with(const Error& error) {
       fmt::format("{}; the run is recorded until {:.6g} s", error.message, recorded_until);
 }
 
-void Recorder::Impl::write(Queue::Item& item) {
+void Recorder::Impl::write(RunQueue::Item& item) {
   for (const RunMessage& message : item.messages) writer->message(message);
   if (!item.frame) return;
   const Frame& frame = *item.frame;
@@ -173,32 +76,20 @@ void Recorder::Impl::write(Queue::Item& item) {
 }
 
 void Recorder::Impl::write_items() {
-  std::deque<Queue::Item> taken;
+  std::deque<RunQueue::Item> taken;
   Clock::time_point chunk_begin = Clock::now();
   bool failed = false;
   double time = 0.0;
   for (;;) {
-    bool closed = false;
-    {
-      std::unique_lock lock(queue->mutex);
-      if (queue->bytes < kWakeBytes && !queue->closed) {
-        queue->waiting.wait_for(lock, kLookTime,
-                                [&] { return queue->bytes >= kWakeBytes || queue->closed; });
-      }
-      taken.swap(queue->items);
-      closed = queue->closed;
-    }
-    for (Queue::Item& item : taken) {
+    const bool closed = !queue->take(taken, kLookTime);
+    for (RunQueue::Item& item : taken) {
       if (failed) break;
       if (writer->pending() == 0) chunk_begin = Clock::now();
       if (item.frame) time = item.frame->time;
       write(item);
       const std::size_t bytes = item.bytes;
       item = {};  // returns the frame to the pool
-      {
-        std::lock_guard lock(queue->mutex);
-        queue->bytes -= bytes;
-      }
+      queue->release(bytes);
       if (writer->pending() < kChunkBytes) continue;
       if (auto done = writer->flush(); !done) {
         fail_with(done.error());
@@ -228,11 +119,7 @@ void Recorder::Impl::write_items() {
 
 Result<> Recorder::Impl::end(const std::string& status) {
   observation.end();
-  {
-    std::lock_guard lock(queue->mutex);
-    queue->closed = true;
-    queue->waiting.notify_one();
-  }
+  queue->close();
   thread.join();
   const bool failed = queue->failed;
   if (!failed && last_unkept) writer->frame(*last_unkept, true, last_number + 1);
@@ -292,16 +179,11 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
     return tl::unexpected(done.error());
   }
   // The scene is written before the first frame, so that even the shortest run can be read.
-  SensorChannels channels;
-  for (std::size_t i = 0; i < model->sensors.size(); ++i) {
-    channels.push_back(
-        std::make_shared<const std::vector<Channel>>(simulation.channels(static_cast<int>(i))));
-  }
-  impl->writer->model(model, channels, simulation.time());
+  impl->writer->model(model, channels_of(simulation), simulation.time());
   if (auto done = impl->writer->flush(); !done) return tl::unexpected(done.error());
   if (auto done = on_disk->replace_target(); !done) return tl::unexpected(done.error());
 
-  Impl::Queue& queue = *impl->queue;
+  RunQueue& queue = *impl->queue;
   queue.limit = options.queue_limit;
   queue.every = options.every;
   if (options.every > 0.0) queue.timer = RateTimer(1.0 / options.every);
@@ -319,7 +201,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
 
 Result<> Recorder::finish(RunStatus status) {
   if (!impl_->thread.joinable()) return fail("the recording is already finished");
-  Impl::Queue::Item last;
+  RunQueue::Item last;
   impl_->queue->take_messages(*impl_->simulation, last.messages);
   if (!last.messages.empty()) {
     std::lock_guard lock(impl_->queue->mutex);

@@ -28,10 +28,15 @@ target_sources(cogrsim_sdk PRIVATE
   ${here}/frame_tables.cpp
   ${here}/recording.cpp
   ${here}/recording_file.cpp
+  ${here}/run_encoder.cpp
+  ${here}/run_queue.cpp
+  ${here}/run_stream.cpp
   ${here}/run_writer.cpp
   ${here}/mcap/scene_messages.cpp
-  ${made}/schemas.cpp)
-set_property(SOURCE src/physics/provenance.cpp ${here}/recorder.cpp ${here}/run_writer.cpp APPEND PROPERTY
+  ${made}/schemas.cpp
+  ${here}/ros2/ros2_types.cpp
+  ${here}/ros2/ros2_writer.cpp)
+set_property(SOURCE src/physics/provenance.cpp ${here}/recorder.cpp ${here}/ros2/ros2_writer.cpp ${here}/run_writer.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS COGRSIM_VERSION="${PROJECT_VERSION}")
 target_include_directories(cogrsim_sdk SYSTEM PRIVATE ${PROTOZERO_INCLUDE})
 target_link_libraries(cogrsim_sdk

@@ -126,23 +126,23 @@ std::uint16_t Writer::add_channel(std::uint16_t schema, std::string topic, std::
   return channels_.back().channel.id;
 }
 
-std::size_t Writer::begin_message(std::uint16_t channel, std::uint32_t sequence,
-                                  std::uint64_t time) {
+std::string& Writer::begin_message(std::uint16_t channel, std::uint32_t sequence,
+                                   std::uint64_t time) {
   ChannelState& state = channels_[channel - 1u];
   state.in_chunk.push_back({time, chunk_.size()});
   ++state.count;
   chunk_start_ = any_message_ ? std::min(chunk_start_, time) : time;
   chunk_end_ = any_message_ ? std::max(chunk_end_, time) : time;
   any_message_ = true;
-  const std::size_t record = begin_record(chunk_, Op::message);
+  message_start_ = begin_record(chunk_, Op::message);
   put(chunk_, channel);
   put(chunk_, sequence);
   put(chunk_, time);
   put(chunk_, time);
-  return record;
+  return chunk_;
 }
 
-void Writer::end_message(std::size_t at) { end_record(chunk_, at); }
+void Writer::end_message() { end_record(chunk_, message_start_); }
 
 std::uint64_t Writer::messages(std::uint16_t channel) const {
   return channels_[channel - 1u].count;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cogrsim/core/result.h"
+#include "cogrsim/recording/run_stream.h"
 #include "recording/mcap/mcap.h"
 
 struct ZSTD_CCtx_s;
@@ -27,27 +28,24 @@ class Sink {
 /// Collects messages in a chunk in memory; flush() compresses the chunk and appends it with its
 /// indexes in one piece. After a disk error the file is truncated to the last complete record, so
 /// that it stays readable; finish() drops chunks from the end until the summary fits on the disk.
-class Writer {
+class Writer final : public TopicSink {
  public:
   explicit Writer(std::unique_ptr<Sink> sink, int level = 1);
-  ~Writer();
+  ~Writer() override;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
   Result<> start(std::string_view profile, std::string_view library);
 
-  /// Adds a schema or channel; ids count from 1. The records are written with the next chunk.
-  std::uint16_t add_schema(std::string name, std::string encoding, std::string data);
+  /// The records are written with the next chunk.
+  std::uint16_t add_schema(std::string name, std::string encoding, std::string data) override;
   std::uint16_t add_channel(std::uint16_t schema, std::string topic, std::string encoding,
-                            std::map<std::string, std::string> metadata = {});
+                            std::map<std::string, std::string> metadata = {}) override;
 
-  /// Appends a message to the chunk; `fill` appends its bytes to the given string.
-  template <class Fill>
-  void message(std::uint16_t channel, std::uint32_t sequence, std::uint64_t time, Fill&& fill) {
-    const std::size_t at = begin_message(channel, sequence, time);
-    fill(chunk_);
-    end_message(at);
-  }
+  /// A message of the open chunk.
+  std::string& begin_message(std::uint16_t channel, std::uint32_t sequence,
+                             std::uint64_t time) override;
+  void end_message() override;
 
   std::size_t pending() const { return chunk_.size(); }  ///< bytes of the open chunk
   std::uint64_t written() const { return size_; }        ///< bytes in the file
@@ -79,8 +77,6 @@ class Writer {
     std::vector<std::pair<std::uint16_t, std::uint64_t>> counts;
   };
 
-  std::size_t begin_message(std::uint16_t channel, std::uint32_t sequence, std::uint64_t time);
-  void end_message(std::size_t at);
   Result<> append(std::string_view bytes);
   void pack_chunk(std::string& out);
   void close_chunk(bool lost);
@@ -97,6 +93,7 @@ class Writer {
   std::string loose_;          // records for the data section, written before the next chunk
   std::string chunk_, block_;  // the open chunk; a chunk with its accompanying records
   std::uint64_t chunk_start_ = 0, chunk_end_ = 0;
+  std::size_t message_start_ = 0;  // of the record that begin_message() has begun
   bool any_message_ = false;  // in the open chunk
   std::vector<ChunkOnFile> chunks_;
   std::vector<AttachmentLocation> attachments_;

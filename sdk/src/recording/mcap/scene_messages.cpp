@@ -186,6 +186,15 @@ bool is_planar_scan(const SensorModel& sensor) {
                                         [](const Vec3& ray) { return std::fabs(ray.z()) < 1e-9; });
 }
 
+PlanarScan planar_scan(const std::vector<Vec3>& rays) {
+  PlanarScan scan;
+  scan.first = bearing(rays[0]);
+  scan.step = std::remainder(bearing(rays[1]) - scan.first, 2.0 * kPi);
+  if (rays.size() == 2 && scan.step == 0.0) scan.step = 2.0 * kPi;
+  scan.last = scan.first + scan.step * static_cast<double>(rays.size() - 1);
+  return scan;
+}
+
 void put_scan(std::string& bytes, const SensorModel& sensor, const Reading& reading,
               std::uint64_t time) {
   const std::vector<Vec3> rays = ray_directions(sensor);
@@ -194,11 +203,9 @@ void put_scan(std::string& bytes, const SensorModel& sensor, const Reading& read
   put_time(out, 1, time);
   out.add_string(2, sensor.name);
   put_pose(out, 3, Pose());
-  const double first = bearing(rays[0]);
-  double step = std::remainder(bearing(rays[1]) - first, 2.0 * kPi);
-  if (rays.size() == 2 && step == 0.0) step = 2.0 * kPi;
-  out.add_double(4, first);
-  out.add_double(5, first + step * static_cast<double>(rays.size() - 1));
+  const PlanarScan angles = planar_scan(rays);
+  out.add_double(4, angles.first);
+  out.add_double(5, angles.last);
   out.add_packed_double(6, reading.values.begin(),
                         reading.values.begin() + static_cast<std::ptrdiff_t>(rays.size()));
 }

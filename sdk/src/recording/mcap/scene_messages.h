@@ -19,6 +19,11 @@ void put_scene(std::string& out, const SceneModel& model, std::uint64_t time);
 
 /// Whether the readings of a sensor are a planar scan that viewers can display.
 bool is_planar_scan(const SensorModel& sensor);
+/// Angles of its rays [rad], of which there are at least two.
+struct PlanarScan {
+  double first = 0.0, step = 0.0, last = 0.0;
+};
+PlanarScan planar_scan(const std::vector<Vec3>& rays);
 void put_scan(std::string& out, const SensorModel& sensor, const Reading& reading,
               std::uint64_t time);
 

@@ -1,6 +1,6 @@
-#include "mailbox.h"
+#include "net/mailbox.h"
 
-namespace cogrsim::studio {
+namespace cogrsim::net {
 
 bool Mailbox::wake() {
   const bool first = !woken_;
@@ -16,10 +16,7 @@ bool Mailbox::put_text(Bytes text) {
   // The first one does not count: a large scene must not cut off the client that receives it.
   if (text_bytes_ - texts_.front()->size() > limit_) {
     overfull_ = true;
-    texts_.clear();
-    text_bytes_ = 0;
-    frame_.reset();
-    pictures_.clear();
+    drop_all();
   }
   return wake();
 }
@@ -36,6 +33,19 @@ bool Mailbox::put_picture(const std::string& key, Bytes picture) {
   if (closed_ || overfull_) return false;
   pictures_[key] = std::move(picture);
   return !picture_in_flight_ && wake();
+}
+
+bool Mailbox::put_stream(std::string head, Bytes body, std::size_t& dropped) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (closed_ || overfull_) return false;
+  stream_bytes_ += head.size() + body->size();
+  stream_.push_back({std::move(body), true, std::move(head)});
+  while (stream_.size() > 1 && stream_bytes_ > stream_limit_) {
+    stream_bytes_ -= stream_.front().head.size() + stream_.front().bytes->size();
+    stream_.pop_front();
+    ++dropped;
+  }
+  return wake();
 }
 
 void Mailbox::wake_seen() {
@@ -55,7 +65,7 @@ bool Mailbox::overfull() const {
 
 std::size_t Mailbox::waiting_bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::size_t bytes = text_bytes_ + (frame_ ? frame_->size() : 0);
+  std::size_t bytes = text_bytes_ + stream_bytes_ + (frame_ ? frame_->size() : 0);
   for (const auto& [key, picture] : pictures_) bytes += picture->size();
   return bytes;
 }
@@ -63,20 +73,26 @@ std::size_t Mailbox::waiting_bytes() const {
 std::optional<Mailbox::Item> Mailbox::next() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!texts_.empty()) {
-    Item item{std::move(texts_.front()), false};
+    Item item{std::move(texts_.front()), false, {}};
     texts_.pop_front();
     text_bytes_ -= item.bytes->size();
     return item;
   }
+  if (!stream_.empty()) {
+    Item item = std::move(stream_.front());
+    stream_.pop_front();
+    stream_bytes_ -= item.head.size() + item.bytes->size();
+    return item;
+  }
   if (frame_ && !frame_in_flight_) {
     frame_in_flight_ = true;
-    return Item{std::move(frame_), true};
+    return Item{std::move(frame_), true, {}};
   }
   if (!pictures_.empty() && !picture_in_flight_) {
     auto turn = pictures_.upper_bound(last_key_);
     if (turn == pictures_.end()) turn = pictures_.begin();
     last_key_ = turn->first;
-    Item item{std::move(turn->second), true};
+    Item item{std::move(turn->second), true, {}};
     pictures_.erase(turn);
     picture_in_flight_ = true;
     return item;
@@ -97,10 +113,15 @@ void Mailbox::picture_taken() {
 void Mailbox::close() {
   const std::lock_guard<std::mutex> lock(mutex_);
   closed_ = true;
+  drop_all();
+}
+
+void Mailbox::drop_all() {
   texts_.clear();
-  text_bytes_ = 0;
+  stream_.clear();
+  text_bytes_ = stream_bytes_ = 0;
   frame_.reset();
   pictures_.clear();
 }
 
-}  // namespace cogrsim::studio
+}  // namespace cogrsim::net

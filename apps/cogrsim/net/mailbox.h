@@ -7,23 +7,29 @@
 #include <optional>
 #include <string>
 
-#include "talk.h"
+#include "net/talk.h"
 
-namespace cogrsim::studio {
+namespace cogrsim::net {
 
 /// Texts are kept all and in order; of frames, and of pictures of each key, only the newest. One frame and
-/// one picture are in flight at a time, until the client acknowledges them.
+/// one picture are in flight at a time, until the client acknowledges them. Of a stream the newest are kept
+/// that fit.
 /// Every function may be called from any thread.
 class Mailbox {
  public:
-  /// `limit`: of the waiting texts [byte], not counting the next one.
-  explicit Mailbox(std::size_t limit) : limit_(limit) {}
+  /// `limit`: of the waiting texts [byte], not counting the next one. `stream_limit`: of the waiting
+  /// messages of the stream [byte], not counting the newest one.
+  explicit Mailbox(std::size_t limit, std::size_t stream_limit = 0)
+      : limit_(limit), stream_limit_(stream_limit) {}
 
   /// Each: whether the network thread has to be woken. It is woken once, until it has answered with
   /// wake_seen().
   bool put_text(Bytes text);
   bool put_frame(Bytes frame);
   bool put_picture(const std::string& key, Bytes picture);
+  /// Appends to the stream, and drops the oldest for it where it does not fit; adds their number to
+  /// `dropped`.
+  bool put_stream(std::string head, Bytes body, std::size_t& dropped);
   void wake_seen();
 
   /// No picture waits, and none is in flight.
@@ -36,6 +42,7 @@ class Mailbox {
   struct Item {
     Bytes bytes;
     bool binary = false;
+    std::string head = {};  ///< goes before the bytes, in the same message
   };
   /// What to send now. Texts go first, so that a scene is there before its frames.
   std::optional<Item> next();
@@ -46,10 +53,12 @@ class Mailbox {
 
  private:
   bool wake();
+  void drop_all();
 
   mutable std::mutex mutex_;
-  std::size_t limit_, text_bytes_ = 0;
+  std::size_t limit_, stream_limit_, text_bytes_ = 0, stream_bytes_ = 0;
   std::deque<Bytes> texts_;
+  std::deque<Item> stream_;
   Bytes frame_;
   std::map<std::string, Bytes> pictures_;
   std::string last_key_;  ///< of the picture sent last: the others take turns
@@ -57,4 +66,4 @@ class Mailbox {
   bool woken_ = false, overfull_ = false, closed_ = false;
 };
 
-}  // namespace cogrsim::studio
+}  // namespace cogrsim::net

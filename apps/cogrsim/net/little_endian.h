@@ -1,11 +1,11 @@
-// Numbers as the page reads them: the least significant byte first.
+// Numbers as they go over the wire: the least significant byte first.
 #pragma once
 
 #include <algorithm>
 #include <cstring>
 #include <string>
 
-namespace cogrsim::studio {
+namespace cogrsim::net {
 
 template <class Number>
 void put_number(std::string& out, Number value) {
@@ -17,4 +17,4 @@ void put_number(std::string& out, Number value) {
   out.append(bytes, sizeof value);
 }
 
-}  // namespace cogrsim::studio
+}  // namespace cogrsim::net
