@@ -408,6 +408,8 @@ export class View3d {
     this.eye.taken = false;
     this.framing.reset(this.bounds);
     this.framed = this.framing.shown;
+    // what moves is found with the next picture
+    this.moved = true;
     if (what === "fit") this.eye.fit(this.bounds ?? kNothing);
     else this.eye.look(what, this.bounds ?? kNothing);
     this.drawSoon();
