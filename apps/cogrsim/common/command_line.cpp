@@ -17,6 +17,7 @@
 #include "common/command_pages.h"
 #include "common/complete.h"
 #include "common/options.h"
+#include "run/inputs.h"
 #include "common/output_file.h"
 #include "common/quantities.h"
 #include "common/refuse.h"
@@ -45,7 +46,7 @@ struct Arguments {
   std::string scene, backend, duration, speed, seed, json, record, report, code, format = "text";
   std::vector<std::string> steps, set, thresholds, backends, without;
   std::vector<std::string> files, plots, x, y, z, by, save_at;
-  std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
+  std::string snapshot, inputs, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
   int rows = 10;
   std::string seeds, shake, table;
@@ -137,6 +138,10 @@ RunOptions run_from(const Arguments& arguments) {
   if (arguments.watch && options.json == "-") {
     throw UsageError("--watch", Problem("--json - is for one result, and here come several", "",
                                         "name a file, which has the latest: --json result.json"));
+  }
+  if (arguments.watch && !arguments.inputs.empty()) {
+    throw UsageError("--watch", Problem("--inputs are for one run", "",
+                                        "leave out one of them"));
   }
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
@@ -315,6 +320,11 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
                   "Resume from a snapshot; --backend, --set and --seed may differ from the saved "
                   "run, and what cannot be carried over is reported")
       ->type_name("FILE.snap");
+  command
+      .add_option("--inputs", arguments.inputs,
+                  "Repeat what a person did in a recorded run of the studio: motors, forces, step "
+                  "length; --backend and --step are those of that run, unless they are given")
+      ->type_name("RUN.mcap|FILE");
   command.add_flag("--events", arguments.events,
                    "Print every event as it occurs: time, kind, source, subject, message");
   command.add_flag(
@@ -337,7 +347,8 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
       "usage.");
   command.callback([&] {
     const RunOptions options = run_from(arguments);
-    status = arguments.watch ? watch_command(options) : run_command(options);
+    status = arguments.watch ? watch_command(options)
+                             : run_command(options, nullptr, arguments.inputs);
   });
 }
 

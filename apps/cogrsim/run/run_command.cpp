@@ -13,6 +13,7 @@
 #include "common/output_file.h"
 #include "render/plots.h"
 #include "common/progress.h"
+#include "run/inputs.h"
 #include "run/recording_start.h"
 #include "common/refuse.h"
 #include "run/run_measures.h"
@@ -106,11 +107,13 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> make_simulati
 /// One run of a scene, from the options to the exit status.
 class SceneRun {
  public:
-  SceneRun(RunOptions options, WatchLink* watch) : options_(std::move(options)), watch_(watch) {}
+  SceneRun(RunOptions options, WatchLink* watch, std::string inputs)
+      : options_(std::move(options)), watch_(watch), inputs_file_(std::move(inputs)) {}
 
   int run() {
     add_input(options_.scene.scene);
     if (!options_.from.empty()) add_input(options_.from);
+    if (!inputs_file_.empty()) add_input(inputs_file_);
     const std::vector<std::pair<std::string, OutputKind>> outputs = {
         {options_.json, OutputKind::json}};
     if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
@@ -140,6 +143,17 @@ class SceneRun {
       if (!read) return fail_with(read.error());
       snapshot_ = std::move(*read);
       take_over(snapshot_->info(), options_);
+    }
+    if (!inputs_file_.empty()) {
+      auto read = read_inputs(inputs_file_);
+      if (!read) return fail_with(read.error());
+      if (options_.backend.empty()) options_.backend = read->backend;
+      if (options_.step == 0.0) options_.step = read->dt;
+      if (!read->lost.empty())
+        print_warning(inputs_file_ + ": the run will not be the same: " + read->lost);
+      if (options_.backend != read->backend)
+        print_warning(inputs_file_ + ": the inputs were given to a run on " + read->backend);
+      inputs_.emplace(std::move(read->list));
     }
     scene_ = load_scene(options_.scene);
     if (watch_) watch_->depends_on(used_files(scene_, options_), scene_.model != nullptr);
@@ -184,8 +198,14 @@ class SceneRun {
     return std::nullopt;
   }
 
-  /// Recording, plots and measures. Returns an exit status where one of them fails.
+  /// Inputs, recording, plots and measures. Returns an exit status where one of them fails.
   std::optional<int> attach_outputs() {
+    if (inputs_) {
+      // Commands that are sent when a step is over take effect before the next one.
+      simulation_->observe({}, [this](const FramePtr& frame) {
+        inputs_->give(frame->step, [this](const Input& input) { simulation_->send(input.command); });
+      });
+    }
     if (wants_recording(*scene_.model, options_)) {
       auto recording = recorder_options(*scene_.model, options_);
       auto started = recording ? Recorder::start(*simulation_, std::move(*recording))
@@ -227,6 +247,9 @@ class SceneRun {
       result_.wall_time = run_log.wall_time();
     }
     run_log.finish();
+    if (inputs_ && inputs_->left() > 0)
+      print_warning(fmt::format("{}: {} inputs are for later than the end of this run",
+                                inputs_file_, inputs_->left()));
     result_.messages = simulation_->messages();
     result_.events = run_log.events();
     result_.events_left_out = run_log.events_left_out();
@@ -265,8 +288,10 @@ class SceneRun {
 
   RunOptions options_;
   WatchLink* watch_;
+  std::string inputs_file_;  ///< see run/inputs.h; empty: none
   RunResult result_;
   std::optional<SnapshotFile> snapshot_;
+  std::optional<InputPlayer> inputs_;
   LoadedScene scene_;
   double duration_ = 0.0;  // [s]
   std::unique_ptr<Simulation> simulation_;
@@ -279,6 +304,12 @@ class SceneRun {
 
 int run_command(const RunOptions& options) { return run_command(options, nullptr); }
 
-int run_command(const RunOptions& options, WatchLink* watch) { return SceneRun(options, watch).run(); }
+int run_command(const RunOptions& options, WatchLink* watch) {
+  return run_command(options, watch, {});
+}
+
+int run_command(const RunOptions& options, WatchLink* watch, const std::string& inputs) {
+  return SceneRun(options, watch, inputs).run();
+}
 
 }  // namespace cogrsim::cli
