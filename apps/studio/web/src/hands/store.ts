@@ -34,14 +34,17 @@ export class HandStore {
   constructor(readonly studio: Studio) {
     const { state } = studio;
     let scene = -1;
+    let before = 0;
     this.stops = [
       effect(() => {
         // what runs is seen as it is
         if (!this.atStart.value) preview.value = null;
       }),
       effect(() => {
-        // at the start motors have the scene's own targets again
-        if (this.atStart.value && this.targets.peek().size > 0) this.targets.value = new Map();
+        // back at the start motors have the scene's own targets again
+        const steps = state.status.value?.step_count ?? 0;
+        if (steps < before) this.targets.value = new Map();
+        before = steps;
         if ((state.status.value?.inputs ?? 0) > 0) this.any.value = true;
       }),
       effect(() => {
