@@ -179,7 +179,10 @@ export class TestStore {
     const seen = this.seen();
     const time = state.frame.peek()?.time ?? 0;
     const unit = seen[0]?.unit;
-    if (!unit || time <= 0) return;
+    if (!unit || time <= 0) {
+      this.studio.notify("run to a time, and select a body that moves or a joint", "error");
+      return;
+    }
     const [shown, scale] = unit === "m" ? ["cm", 0.01] : ["°", Math.PI / 180];
     const answer = await this.studio.dialog({
       title: "Make a test of what I see",

@@ -116,9 +116,7 @@ export function TestsView({ store }: { store: TestStore }): JSX.Element {
   const tests = store.tests.value;
   const done = store.runs.value.filter((run) => run.state === "done");
   const passed = done.filter((run) => run.result?.status === "passed").length;
-  const seen = state.mayEdit.value && (state.frame.peek()?.time ?? 0) > 0 && state.selection.value.length > 0;
-  // the shown time decides whether there is something to be seen: the status comes with it, and less often
-  void state.status.value?.time;
+  const seen = state.mayEdit.value && state.selection.value.length > 0;
   return (
     <>
       <div class="cg-tools" role="toolbar" aria-label="Tests">
