@@ -331,7 +331,7 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
   // --copy-meshes takes the name of a folder beside the scene: tests/import.
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include", "--srdf",
                                         "--copy-meshes", "--merge",
-                                        "--robot",       "--network"};
+                                        "--robot",       "--network",     "--inputs"};
   std::set<std::string> tried;
   for (const Case& c : cases()) tried.insert(c.arguments[0] + " " + c.option);
   std::size_t outputs = 0;

@@ -46,7 +46,7 @@ struct Arguments {
   std::string scene, backend, duration, speed, seed, json, record, report, code, format = "text";
   std::vector<std::string> steps, set, thresholds, backends, without;
   std::vector<std::string> files, plots, x, y, z, by, save_at;
-  std::string snapshot, plots_folder, kind, title, every, from, to, output = "plots",
+  std::string snapshot, inputs, plots_folder, kind, title, every, from, to, output = "plots",
                                                                     picture = "png";
   int rows = 10;
   std::string seeds, shake, table;
@@ -134,6 +134,7 @@ RunOptions run_from(const Arguments& arguments) {
   options.plots = arguments.plots_folder;
   options.record = arguments.record;
   options.from = arguments.snapshot;
+  options.inputs = arguments.inputs;
   options.saves = saves_from(arguments.save_at);
   options.events = arguments.events;
   if (arguments.with_live) {
@@ -147,6 +148,10 @@ RunOptions run_from(const Arguments& arguments) {
   if (arguments.watch && options.json == "-") {
     throw UsageError("--watch", Problem("--json - is for one result, and here come several", "",
                                         "name a file, which has the latest: --json result.json"));
+  }
+  if (arguments.watch && !arguments.inputs.empty()) {
+    throw UsageError("--watch", Problem("--inputs are for one run", "",
+                                        "leave out one of them"));
   }
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
@@ -338,6 +343,11 @@ void add_run(CLI::App& app, Arguments& arguments, int& status) {
       ->type_name("URL")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--inputs", arguments.inputs,
+                  "Repeat what a person did in a recorded run of the studio: motors, forces, step "
+                  "length; --backend and --step are those of that run, unless they are given")
+      ->type_name("RUN.mcap|FILE");
   command.add_flag("--events", arguments.events,
                    "Print every event as it occurs: time, kind, source, subject, message");
   command.add_flag(

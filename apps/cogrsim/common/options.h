@@ -56,6 +56,7 @@ struct RunOptions {
   };
   std::vector<Save> saves;  ///< snapshots, by time
   std::string from;         ///< a snapshot to resume from; empty: from the start
+  std::string inputs;       ///< a recording, or what it has of a person's; empty: none
   bool events = false;      ///< print every event as it occurs
   std::optional<LiveOptions> live;
 };

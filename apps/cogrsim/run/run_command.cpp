@@ -16,6 +16,7 @@
 #include "common/terminal.h"
 #include "live/live.h"
 #include "render/plots.h"
+#include "run/inputs.h"
 #include "run/recording_start.h"
 #include "run/run_log.h"
 #include "run/run_measures.h"
@@ -102,6 +103,7 @@ class SceneRun {
   int run() {
     add_input(options_.scene.scene);
     if (!options_.from.empty()) add_input(options_.from);
+    if (!options_.inputs.empty()) add_input(options_.inputs);
     const std::vector<std::pair<std::string, OutputKind>> outputs = {
         {options_.json, OutputKind::json}};
     if (const auto writable = check_writable(outputs); !writable) return refuse(writable.error());
@@ -131,6 +133,17 @@ class SceneRun {
       if (!read) return fail_with(read.error());
       snapshot_ = std::move(*read);
       take_over(snapshot_->info(), options_);
+    }
+    if (!options_.inputs.empty()) {
+      auto read = read_inputs(options_.inputs);
+      if (!read) return fail_with(read.error());
+      if (options_.backend.empty()) options_.backend = read->backend;
+      if (options_.step == 0.0) options_.step = read->dt;
+      if (!read->lost.empty())
+        print_warning(options_.inputs + ": the run will not be the same: " + read->lost);
+      if (options_.backend != read->backend)
+        print_warning(options_.inputs + ": the inputs were given to a run on " + read->backend);
+      inputs_.emplace(std::move(read->list));
     }
     scene_ = load_scene(options_.scene);
     if (watch_) watch_->depends_on(used_files(scene_, options_), scene_.model != nullptr);
@@ -178,8 +191,14 @@ class SceneRun {
     return std::nullopt;
   }
 
-  /// Recording, plots and measures. Returns an exit status where one of them fails.
+  /// Inputs, recording, plots and measures. Returns an exit status where one of them fails.
   std::optional<int> attach_outputs() {
+    if (inputs_) {
+      // Commands that are sent when a step is over take effect before the next one.
+      simulation_->observe({}, [this](const FramePtr& frame) {
+        inputs_->give(frame->step, [this](const Input& input) { simulation_->send(input.command); });
+      });
+    }
     if (wants_recording(*scene_.model, options_)) {
       auto recording = recorder_options(*scene_.model, options_);
       auto started = recording ? Recorder::start(*simulation_, std::move(*recording))
@@ -246,6 +265,9 @@ class SceneRun {
     }
     run_log.finish();
     live_.reset();
+    if (inputs_ && inputs_->left() > 0)
+      print_warning(fmt::format("{}: {} inputs are for later than the end of this run",
+                                options_.inputs, inputs_->left()));
     result_.messages = simulation_->messages();
     result_.events = run_log.events();
     result_.events_left_out = run_log.events_left_out();
@@ -286,6 +308,7 @@ class SceneRun {
   WatchLink* watch_;
   RunResult result_;
   std::optional<SnapshotFile> snapshot_;
+  std::optional<InputPlayer> inputs_;
   LoadedScene scene_;
   double duration_ = 0.0;  // [s]
   std::unique_ptr<Simulation> simulation_;

@@ -154,7 +154,9 @@ const std::map<std::string_view, DocumentRequests::Handler>& DocumentRequests::t
                                                                {"mass", &D::mass},
                                                                {"sources", &D::sources},
                                                                {"open-source", &D::open_source},
-                                                               {"save-source", &D::save_source}};
+                                                               {"save-source", &D::save_source},
+                                                               {"tests", &D::tests},
+                                                               {"test-cancel", &D::cancel_test}};
   return handlers;
 }
 
@@ -176,6 +178,7 @@ void DocumentRequests::handle(Request request, Reply reply) {
 
 void DocumentRequests::answer(const Request& request, const Reply& reply) {
   if (request.what == "build") return build(request, reply);  // takes its time elsewhere
+  if (request.what == "test") return test(request, reply);
   const std::uint64_t before = version_;
   Answer answer = (this->*table().at(request.what))(request);
   // An edit that was answered is on the disk.
@@ -426,6 +429,48 @@ Answer DocumentRequests::save_source(const Request& request) {
   return sources_.save(request.fields.at("name").get<std::string>(),
                        request.fields.at("text").get<std::string>(),
                        fields::maybe<std::string>(request.fields, "version"));
+}
+
+Answer DocumentRequests::tests(const Request&) {
+  Json tests = Json::array();
+  if (good_) {
+    for (const TestModel& test : scene_.result.model->tests) {
+      const auto agrees = std::count_if(
+          test.expectations.begin(), test.expectations.end(),
+          [](const ExpectationModel& e) { return e.kind == ExpectationModel::Kind::agree; });
+      tests.push_back({{"name", test.name},
+                       {"line", test.origin.line},
+                       {"expectations", test.expectations.size() - std::size_t(agrees)},
+                       {"agrees", agrees},
+                       {"backends", test.backends}});
+    }
+  }
+  return Json{{"version", scene_version_}, {"tests", std::move(tests)}};
+}
+
+void DocumentRequests::test(const Request& request, const Reply& reply) {
+  if (auto good = check_version(request); !good) return reply(tl::unexpected(good.error()));
+  if (stale_) compile();
+  const auto index = request.fields.at("test").get<std::size_t>();
+  if (!good_ || index >= scene_.result.model->tests.size())
+    return reply(fail("there is no such test in the present text", "", "", "stale"));
+  TestRequest asked;
+  asked.file = file_.path();
+  if (dirty() || !file_.text()) asked.text = history_.text();
+  asked.index = index;
+  asked.test = scene_.result.model->tests[index].name;
+  asked.backends = request.fields.at("backends").get<std::vector<std::string>>();
+  for (const std::string& name : asked.backends)
+    if (auto good = check_plugin_name(name); !good) return reply(tl::unexpected(good.error()));
+  asked.plugin_folders = loader_->folders();
+  asked.parameters = options_.parameters;
+  asked.seed = options_.seed;
+  test_run_.start(std::move(asked), reply);
+}
+
+Answer DocumentRequests::cancel_test(const Request&) {
+  test_run_.cancel();
+  return Json::object();
 }
 
 void DocumentRequests::build(const Request& request, const Reply& reply) {

@@ -19,6 +19,7 @@
 #include "document_history.h"
 #include "journal.h"
 #include "sources.h"
+#include "test_run.h"
 #include "turns.h"
 
 namespace cogrsim::studio {
@@ -119,6 +120,9 @@ class DocumentRequests final : public Document {
   Answer sources(const Request& request);
   Answer open_source(const Request& request);
   Answer save_source(const Request& request);
+  Answer tests(const Request& request);
+  void test(const Request& request, const Reply& reply);
+  Answer cancel_test(const Request& request);
   void build(const Request& request, const Reply& reply);
   Answer use_built(Result<Builder::Built> built, ClientId client);
 
@@ -147,6 +151,7 @@ class DocumentRequests final : public Document {
   std::optional<Json> schema_;
   SourceFolder sources_;
   Builder builder_;
+  TestRun test_run_;
 
   std::shared_ptr<DocumentQueue> queue_ = std::make_shared<DocumentQueue>();
   std::thread thread_, build_thread_;

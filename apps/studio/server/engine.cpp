@@ -182,6 +182,7 @@ bool Engine::within_duration() const {
 }
 
 bool Engine::step_main() {
+  give_hands();
   const std::uint64_t before = simulation_->step_count();
   const RunStatus status = simulation_->step();
   if (simulation_->step_count() != before && status == RunStatus::running) return true;
@@ -319,6 +320,7 @@ Answer Engine::reload(const std::optional<std::string>& controller) {
     }
   }
   if (names.empty()) return fail("the scene has no controllers");
+  lose_inputs("controllers were reloaded");
   Json reloaded = Json::array(), kept = Json::array();
   for (const std::string& name : names) {
     const auto done = simulation_->reload_controller(name);
@@ -359,9 +361,9 @@ Answer Engine::set_step(std::optional<double> dt) {
     publish(true);
     return playing ? play() : Answer(Json::object());
   }
-  dt_ = dt;
   const double now = dt.value_or(scene_->model->physics.step);
-  simulation_->send(SetStep{now});
+  if (auto given = give(SetStep{now}); !given) return tl::unexpected(given.error());
+  dt_ = dt;
   if (ghost_) ghost_->simulation->send(SetStep{now});
   publish(true);
   return Json::object();

@@ -19,6 +19,7 @@
 #include "compare_run.h"
 #include "history.h"
 #include "run.h"
+#include "run/inputs.h"
 #include "run_scenes.h"
 #include "run_status.h"
 
@@ -31,6 +32,14 @@ Error to_error(const Refusal& found);
 
 /// "controller 'bot.pilot' of 'bot'".
 std::string described(const PluginWatch::Call& call);
+
+/// A body that a person pulls.
+struct GrabRequest {
+  std::string body;
+  Vec3 point = Vec3::Zero();         ///< of the body, in its frame [m]
+  Vec3 target = Vec3::Zero();        ///< where it is pulled to, in the world [m]
+  std::optional<double> stiffness;   ///< [N/m]; empty: by the mass that hangs on it
+};
 
 class Engine {
  public:
@@ -69,6 +78,15 @@ class Engine {
   Answer set_backend(const std::string& name);
   /// The library of a controller, or of all of them, as it is on disk now: while paused.
   Answer reload(const std::optional<std::string>& controller);
+  // engine_hands.cpp: what a person does in the run
+  /// Sets a motor's target, until something else sets it.
+  Answer set_motor(const std::string& name, double target);
+  /// Pulls a body by a spring to `target`, until it is released or that client is gone.
+  Answer grab(ClientId client, GrabRequest request);
+  Answer move_grab(ClientId client, const Vec3& target);
+  Answer release(ClientId client);
+  /// From the start, with all that a person did in the present run, or in the one before it.
+  Answer repeat();
   Answer record(bool on, const std::optional<std::string>& file);
   Answer compare(CompareRequest request);
   Answer end_compare();
@@ -106,6 +124,20 @@ class Engine {
                                                              bool new_plugins = false);
   void adopt(std::unique_ptr<Simulation> simulation);
   void forget_past();
+
+  // engine_hands.cpp
+  struct Grab {
+    ClientId client = 0;
+    GrabRequest request;
+    double stiffness = 0.0, damping = 0.0;  ///< [N/m], [N s/m]
+    double dt = 0.0;                        ///< for which they are [s]
+  };
+  Result<> give(const Command& command);
+  void give_hands();
+  void pull();
+  void set_spring(Grab& grab, std::size_t body) const;
+  void forget_inputs();
+  void lose_inputs(const std::string& why);
 
   // engine_record.cpp
   Result<std::string> recording_path(const std::optional<std::string>& file) const;
@@ -155,6 +187,11 @@ class Engine {
 
   std::unique_ptr<Recorder> recorder_;
   std::string recording_;
+
+  cli::Inputs inputs_;                ///< of the present run
+  cli::Inputs before_;                ///< of the last run before it that had any
+  cli::InputPlayer repeated_{{}};
+  std::optional<Grab> grab_;
 
   // Keeping time.
   Clock::time_point anchor_wall_{};

@@ -86,6 +86,8 @@ Answer Engine::record(bool on, const std::optional<std::string>& file) {
 
 void Engine::end_recording(const std::string& why) {
   if (!recorder_) return;
+  if (!inputs_.list.empty())
+    recorder_->attach({cli::kInputsFile, "application/jsonl", cli::to_text(inputs_)});
   const auto done = recorder_->finish(simulation_->status());
   recorder_.reset();
   if (!done) {

@@ -132,6 +132,9 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
   scene_ = scene;
   created_with_ = options;
   adopt(std::move(*made));
+  forget_inputs();
+  inputs_.backend = simulation_->backend().name();
+  inputs_.dt = simulation_->dt();
   state_ = State::stopped;
   ending_.clear();
   end_reason_.clear();
@@ -188,6 +191,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   scene_ = scene;
   created_with_ = options;
   adopt(std::move(resumed->simulation));
+  lose_inputs("the scene, its engine or its plugins were changed");
   anchor();
   take_instant(true);
   collect_messages();

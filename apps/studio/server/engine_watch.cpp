@@ -256,6 +256,7 @@ void Engine::publish(bool urgent) {
   }
   if (recorder_) s.recording = recording_;
   s.scene = scene_number_;
+  s.inputs = inputs_.list.size();
   if (latest_ && state_ != State::playing) {
     s.state_hash = fmt::format("{:016x}", state_hash(latest_->state));
   }

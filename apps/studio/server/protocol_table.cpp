@@ -1,6 +1,7 @@
 #include "protocol.h"
 
 #include "protocol_debug.h"
+#include "protocol_hands.h"
 
 namespace cogrsim::studio {
 namespace {
@@ -54,7 +55,7 @@ std::vector<Row> with(void (&add)(std::vector<Row>&), std::vector<Row> rows) {
 }  // namespace
 
 const std::vector<ProtocolRequest>& protocol_requests() {
-  static const std::vector<ProtocolRequest> requests = with(add_debug_requests, {
+  static const std::vector<ProtocolRequest> requests = with(add_hand_requests, with(add_debug_requests, {
       {"hello",
        Section::session,
        kAll,
@@ -178,7 +179,7 @@ const std::vector<ProtocolRequest>& protocol_requests() {
       {"subscribe",
        kRun,
        kAll,
-       {{"contacts?", "boolean"}, {"readings?", "boolean"}},
+       {{"contacts?", "boolean"}, {"readings?", "boolean"}, {"joints?", "boolean"}},
        {},
        "what comes in the tail of frames for this client"},
       {"compare",
@@ -348,7 +349,7 @@ const std::vector<ProtocolRequest>& protocol_requests() {
        {{"built", "boolean", "false: the compiler complained"},
         {"log", "string"},
         {"problems", "Problem[]"}},
-       "only with `--allow-build`: builds the project beside the scene, and takes its plugins"}});
+       "only with `--allow-build`: builds the project beside the scene, and takes its plugins"}}));
   return requests;
 }
 
@@ -368,7 +369,7 @@ const std::vector<ProtocolTopic>& protocol_topics() {
 }
 
 const std::vector<ProtocolType>& protocol_types() {
-  static const std::vector<ProtocolType> types = with(add_debug_types, {
+  static const std::vector<ProtocolType> types = with(add_hand_types, with(add_debug_types, {
       {"Vec3", "x y z", {}, "[number, number, number]"},
       {"Pose",
        "x y z [m], then the quaternion w x y z",
@@ -437,6 +438,7 @@ const std::vector<ProtocolType>& protocol_types() {
         {"last", "number", "[s]"},
         {"frames", "integer"},
         {"scene", "integer", "its number"},
+        {"inputs?", "integer", "what was done by hand since the start; missing in bundles"},
         {"state_hash?", "string",
          "of the newest state, as `cogrsim run` prints it; \"\": it moves. Missing in bundles"},
         {"compare", "Comparison | null"},
@@ -617,9 +619,19 @@ const std::vector<ProtocolType>& protocol_types() {
                   {"parent_pose", "Pose"},
                   {"child_pose", "Pose"},
                   {"limits?", "(number | null)[][]",
-                   "lowest and highest coordinate of each axis [rad] or [m]; null: none"}})},
+                   "lowest and highest coordinate of each axis [rad] or [m]; null: none"},
+                  {"start?", "number[]", "coordinates at the start"},
+                  {"closes_loop?", "boolean", "other joints connect its bodies already"}})},
       {"SceneMotor", "",
-       from_file({{"joint", "integer"}, {"axis?", "integer"}, {"mode?", "string"}})},
+       from_file({{"joint", "integer"},
+                  {"axis?", "integer"},
+                  {"mode?", "string"},
+                  {"unit?", "string", "of its target"},
+                  {"low?", "number | null", "least target; null: no limit is stated"},
+                  {"high?", "number | null"},
+                  {"target?", "number", "at the start"},
+                  {"max_effort?", "number | null", "[N m] or [N]"},
+                  {"turns?", "boolean", "its axis turns, and does not slide"}})},
       {"SceneSensor", "",
        from_file(
            {{"type", "string"},
@@ -710,7 +722,10 @@ const std::vector<ProtocolType>& protocol_types() {
         {"force", "number", "its length [N]"}}},
       {"FrameTail",
        "As subscribed",
-       {{"readings?", "FrameReading[]"}, {"contacts?", "FrameContact[]"}}},
+       {{"readings?", "FrameReading[]"},
+        {"contacts?", "FrameContact[]"},
+        {"joints?", "FrameJoint[]", "in the order of the scene's"},
+        {"efforts?", "(number | null)[]", "of the motors [N m] or [N]; with the joints"}}},
 
       // Operations on the text
       {"OpSet",
@@ -752,7 +767,7 @@ const std::vector<ProtocolType>& protocol_types() {
        {},
        "OpSet | OpInsert | OpRemove | OpMove | OpRename | OpDuplicate | OpPlace | OpAssemble | "
        "OpGroup | "
-       "OpDisassemble"}});
+       "OpDisassemble"}}));
   return types;
 }
 

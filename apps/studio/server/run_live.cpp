@@ -30,7 +30,10 @@ class LiveRun final : public Run {
   }
 
   void joined(ClientId client, Role) override { requests_.viewers().joined(client); }
-  void left(ClientId client) override { requests_.left(client); }
+  void left(ClientId client) override {
+    requests_.left(client);
+    engine_.post([this, client] { static_cast<void>(engine_.release(client)); });
+  }
 
   void show(Scene scene,
             std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
@@ -85,8 +88,26 @@ class LiveRun final : public Run {
       answer([v = fields::maybe<double>(f, "value")](Engine& e) { return e.set_step(v); });
     } else if (what == "backend") {
       const auto name = f.at("name").get<std::string>();
-      if (auto good = plugin_name(name); !good) return good;
+      if (auto good = check_plugin_name(name); !good) return good;
       answer([name](Engine& e) { return e.set_backend(name); });
+    } else if (what == "motor") {
+      answer([name = f.at("motor").get<std::string>(), target = f.at("target").get<double>()](
+                 Engine& e) { return e.set_motor(name, target); });
+    } else if (what == "grab") {
+      GrabRequest grab;
+      grab.body = f.at("body").get<std::string>();
+      grab.point = vector(f.at("point"));
+      grab.target = vector(f.at("target"));
+      grab.stiffness = fields::maybe<double>(f, "stiffness");
+      answer([grab, client = request.client](Engine& e) { return e.grab(client, grab); });
+    } else if (what == "grab-move") {
+      answer([to = vector(f.at("target")), client = request.client](Engine& e) {
+        return e.move_grab(client, to);
+      });
+    } else if (what == "release") {
+      answer([client = request.client](Engine& e) { return e.release(client); });
+    } else if (what == "repeat") {
+      engine_.post_ending([this, reply] { reply(engine_.repeat()); });
     } else if (what == "reload") {
       answer([c = fields::maybe<std::string>(f, "controller")](Engine& e) { return e.reload(c); });
     } else if (what == "record") {
@@ -95,7 +116,7 @@ class LiveRun final : public Run {
     } else if (what == "compare") {
       const auto name = fields::maybe<std::string>(f, "backend");
       if (name) {
-        if (auto good = plugin_name(*name); !good) return good;
+        if (auto good = check_plugin_name(*name); !good) return good;
       }
       answer([w = CompareRequest{name, fields::maybe<double>(f, "step")}](Engine& e) {
         return e.compare(w);
@@ -106,16 +127,9 @@ class LiveRun final : public Run {
     return {};
   }
 
-  /// A name, never a path.
-  static Result<> plugin_name(const std::string& name) {
-    const bool plain = !name.empty() && name.size() <= 100 &&
-                       std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                         return std::isalnum(c) != 0 || c == '_' || c == '-';
-                       });
-    if (!plain) return fail("'name' must be the name of a backend");
-    return {};
+  static Vec3 vector(const Json& v) {
+    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
   }
-
   std::atomic<std::uint64_t> shows_{0};  ///< asked for
   Scenes scenes_;
   StatusPublisher publisher_;

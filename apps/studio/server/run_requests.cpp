@@ -65,7 +65,8 @@ Answer RequestHandler::live(const Request& request) {
 
 Answer RequestHandler::subscribe(const Request& request) {
   viewers_.subscribe(request.client, fields::maybe<bool>(request.fields, "contacts"),
-                     fields::maybe<bool>(request.fields, "readings"));
+                     fields::maybe<bool>(request.fields, "readings"),
+                     fields::maybe<bool>(request.fields, "joints"));
   return Json::object();
 }
 

@@ -31,6 +31,7 @@ struct Situation {
   std::shared_ptr<const Provenance> provenance;  ///< nullptr: there is no run, or it is not known
   std::optional<std::string> recording;  ///< file
   std::uint32_t scene = 0;
+  std::size_t inputs = 0;  ///< of a person, so far
   std::string state_hash;  ///< of the newest state, as the command line has it; empty while playing
   struct Comparison {
     std::array<std::string, 2> labels;

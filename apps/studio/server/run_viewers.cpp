@@ -91,12 +91,13 @@ void Viewers::follow_all() {
 }
 
 void Viewers::subscribe(ClientId client, std::optional<bool> contacts,
-                        std::optional<bool> readings) {
+                        std::optional<bool> readings, std::optional<bool> joints) {
   std::lock_guard lock(mutex_);
   const auto found = clients_.find(client);
   if (found == clients_.end()) return;
   if (contacts) found->second.tail.contacts = *contacts;
   if (readings) found->second.tail.readings = *readings;
+  if (joints) found->second.tail.joints = *joints;
   publisher_.poke();
 }
 

@@ -28,7 +28,8 @@ class Viewers {
   Result<Instant> seek(ClientId client, double time);
   Result<Instant> step_back(ClientId client);
   void follow(ClientId client);
-  void subscribe(ClientId client, std::optional<bool> contacts, std::optional<bool> readings);
+  void subscribe(ClientId client, std::optional<bool> contacts, std::optional<bool> readings,
+                 std::optional<bool> joints);
   std::size_t count() const;
   /// What that client views now; empty: nothing, or it is gone.
   Instant seen(ClientId client) const;

@@ -34,7 +34,7 @@ class Bytewriter {
 };
 
 std::string tail_text(const Frame& frame, Tail wanted) {
-  if (!wanted.contacts && !wanted.readings) return {};
+  if (!wanted.contacts && !wanted.readings && !wanted.joints) return {};
   Json out = Json::object();
   if (wanted.readings) {
     Json& readings = out["readings"] = Json::array();
@@ -45,6 +45,22 @@ std::string tail_text(const Frame& frame, Tail wanted) {
       if (reading.pose && (type == "infrared" || type == "lidar"))
         readings.back()["pose"] = to_json(*reading.pose);
     }
+  }
+  if (wanted.joints) {
+    const WorldState& state = frame.state;
+    const auto part = [](const std::vector<double>& all, int offset, int count) {
+      Json some = Json::array();
+      for (auto i = static_cast<std::size_t>(offset); count > 0 && i < all.size(); ++i, --count)
+        some.push_back(all[i]);
+      return some;
+    };
+    Json& joints = out["joints"] = Json::array();
+    for (const Joint& joint : frame.model->joints)
+      joints.push_back(
+          {{"position",
+            part(state.joint_positions, joint.position_offset, position_count(joint.type))},
+           {"speed", part(state.joint_velocities, joint.speed_offset, speed_count(joint.type))}});
+    out["efforts"] = state.motor_efforts;
   }
   if (wanted.contacts) {
     Json& contacts = out["contacts"] = Json::array();
@@ -133,6 +149,7 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"last", extent.last},
               {"frames", extent.count},
               {"scene", s.scene},
+              {"inputs", s.inputs},
               {"state_hash", s.state_hash},
               {"compare", nullptr},
               {"waiting", nullptr},

@@ -12,6 +12,7 @@ namespace cogrsim::studio {
 struct Tail {
   bool contacts = false;
   bool readings = false;
+  bool joints = false;
 };
 
 /// "Frames (binary, little-endian)".

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/rendering/looks.h"
 #include "cogrsim/rendering/standard_view.h"
 #include "cogrsim/sensing/sensor_models.h"
@@ -82,11 +83,12 @@ class SceneWriter {
               {"child", j.child},
               {"parent_pose", to_json(j.X_PF)},
               {"child_pose", to_json(j.X_CM)},
-              {"limits", std::move(limits)}};
+              {"limits", std::move(limits)},
+              {"start", j.position},
+              {"closes_loop", j.closes_loop}};
     });
-    out["motors"] = list(model_.motors, from.motors, [](const Motor& m) -> Json {
-      return {{"joint", m.joint}, {"axis", m.axis}, {"mode", to_string(m.mode)}};
-    });
+    out["motors"] =
+        list(model_.motors, from.motors, [this](const Motor& m) { return motor(m); });
     out["sensors"] =
         list(model_.sensors, from.sensors, [this](const SensorModel& s) { return sensor(s); });
     out["regions"] = list(model_.regions, from.regions, [](const RegionModel& r) -> Json {
@@ -154,6 +156,47 @@ class SceneWriter {
     for (const Shape& s : b.shapes) shapes.push_back(shape(s, index));
     return {{"kind", kind_of(b.kind)}, {"pose", to_json(b.X_WB)}, {"mass", b.mass},
             {"com", to_json(b.com)},   {"assembly", b.assembly},  {"shapes", std::move(shapes)}};
+  }
+
+  /// With the range of its target, as far as the scene says it: its own, that of the joint and the drive.
+  Json motor(const Motor& m) const {
+    const Joint& joint = model_.joints[static_cast<std::size_t>(m.joint)];
+    const bool turns = axis_turns(joint.type, m.axis);
+    const auto axis = static_cast<std::size_t>(m.axis);
+    const JointAxis limits = axis < joint.axes.size() ? joint.axes[axis] : JointAxis();
+    const double effort = std::min(m.max_effort, limits.max_effort);
+    double low = m.min_target, high = m.max_target;
+    const auto within = [&](double least, double most) {
+      low = std::max(low, least);
+      high = std::min(high, most);
+    };
+    const char* unit = turns ? "rad/s" : "m/s";
+    double target = m.target.value_or(0.0);
+    switch (m.mode) {
+      case MotorMode::velocity: {
+        const double most = std::min(m.max_speed, limits.max_speed);
+        within(-most, most);
+        break;
+      }
+      case MotorMode::torque:
+        unit = turns ? "N m" : "N";
+        within(-effort, effort);
+        break;
+      case MotorMode::position:
+      case MotorMode::servo:
+        unit = turns ? "rad" : "m";
+        within(limits.lower, limits.upper);
+        if (!m.target && axis < joint.position.size()) target = joint.position[axis];
+        break;
+      case MotorMode::dc:
+        unit = "V";
+        within(-m.max_voltage, m.max_voltage);
+        break;
+    }
+    const auto end = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
+    return {{"joint", m.joint},     {"axis", m.axis},   {"mode", to_string(m.mode)},
+            {"unit", unit},         {"low", end(low)},  {"high", end(high)},
+            {"target", target},     {"turns", turns},   {"max_effort", end(effort)}};
   }
 
   Json shape(const Shape& s, int body) const {

@@ -50,6 +50,7 @@ struct Recorder::Impl {
   std::thread thread;
   FramePtr last_unkept;  // the last frame of the run is always recorded
   std::uint64_t last_number = 0;
+  std::vector<Attachment> late;  // see attach()
   double recorded_until = 0.0;
 
   void write_items();
@@ -126,8 +127,12 @@ Result<> Recorder::Impl::end(const std::string& status) {
   // The missing frames are those that the observer counted, less those in the file.
   const std::uint64_t offered = queue->number + (last_unkept ? 1 : 0);
   last_unkept.reset();
-  const auto done =
+  Result<> attached;
+  for (const Attachment& one : late)
+    if (attached && !failed) attached = writer->attach(one);
+  auto done =
       writer->finish({{"status", status}, {"left_out", std::to_string(queue->left_out)}});
+  if (done) done = attached;
   const std::uint64_t on_file = writer->frames_on_file();
   const Result<> closed = file->close();
   if (done && closed && on_file == offered) return {};
@@ -198,6 +203,8 @@ Result<std::unique_ptr<Recorder>> Recorder::start(Simulation& simulation, Record
   impl->thread = std::thread([raw = impl.get()] { raw->write_items(); });
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
 }
+
+void Recorder::attach(Attachment file) { impl_->late.push_back(std::move(file)); }
 
 Result<> Recorder::finish(RunStatus status) {
   if (!impl_->thread.joinable()) return fail("the recording is already finished");

@@ -38,7 +38,7 @@ Result<> RunWriter::start(const std::map<std::string, std::string>& about) {
   if (auto done = mcap_.metadata(kRunMetadata, about); !done) return done;
   if (auto done = mcap_.metadata(kParameterMetadata, options_.parameters); !done) return done;
   for (const Attachment& file : options_.attachments) {
-    if (auto done = mcap_.attachment(file.name, file.media_type, file.data, 0); !done) return done;
+    if (auto done = attach(file); !done) return done;
   }
   encoder_.start();
   return {};

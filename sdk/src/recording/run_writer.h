@@ -26,6 +26,10 @@ class RunWriter {
 
   /// Writes header, metadata and attachments. Errors: those of the disk.
   Result<> start(const std::map<std::string, std::string>& about);
+  /// Errors: those of the disk.
+  Result<> attach(const Attachment& file) {
+    return mcap_.attachment(file.name, file.media_type, file.data, 0);
+  }
   /// Attaches the textures of the materials of `model` that can be read and are not too large.
   Result<> attach_textures(const SceneModel& model);
 

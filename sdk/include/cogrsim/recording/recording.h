@@ -53,6 +53,8 @@ class COGRSIM_API Recorder {
   static Result<std::unique_ptr<Recorder>> start(Simulation& simulation, RecorderOptions options);
   ~Recorder();  ///< finishes the file without reporting errors; call finish() to get them
 
+  /// Adds a file that is known at the end only; it is written by finish().
+  void attach(Attachment file);
   /// Writes the remaining frames, the index and the end of the file. Call it once. Errors: the disk
   /// was full or removed, or frames were dropped; the message states how much of the run is
   /// recorded.

@@ -24,11 +24,13 @@ import type {
   ReloadedController,
   RunEvent,
   Scene,
+  SceneTest,
   SeriesPart,
   SignalInfo,
   SourceFile,
   StartFile,
   Status,
+  TestVerdict,
   Tree,
   Unsaved,
   Vec3,
@@ -215,6 +217,7 @@ export interface Requests {
     fields: {
       contacts?: boolean;
       readings?: boolean;
+      joints?: boolean;
     };
     answer: Record<string, never>;
   };
@@ -563,6 +566,91 @@ export interface Requests {
     answer: {
       variable: DebugVariable;
     };
+  };
+  /** sets a motor's target before the next step, until a controller or something else sets it */
+  motor: {
+    fields: {
+      /** dotted name */
+      motor: string;
+      /** in its unit */
+      target: number;
+    };
+    answer: {
+      /** as it is limited */
+      target: number;
+    };
+  };
+  /** pulls a body by a spring in every step, until `release`, or until this client leaves */
+  grab: {
+    fields: {
+      /** dotted name */
+      body: string;
+      /** of it, in its frame [m] */
+      point: Vec3;
+      /** in the world [m] */
+      target: Vec3;
+      /** [N/m]; null: by the mass */
+      stiffness?: number | null;
+    };
+    answer: {
+      /** [N/m], as it is limited by the step */
+      stiffness: number;
+      /** [N s/m] */
+      damping: number;
+    };
+  };
+  /** where it is pulled to from now on */
+  "grab-move": {
+    fields: {
+      /** in the world [m] */
+      target: Vec3;
+    };
+    answer: Record<string, never>;
+  };
+  /** ends the pulling of this client */
+  release: {
+    fields: Record<string, never>;
+    answer: Record<string, never>;
+  };
+  /** `restart`, with all that was done by hand in this run, or in the one before: the same states come again. Refused after an edit or a change of the engine in the run */
+  repeat: {
+    fields: Record<string, never>;
+    answer: {
+      inputs: number;
+    };
+  };
+  /** those of the present text; none while it has errors */
+  tests: {
+    fields: Record<string, never>;
+    answer: {
+      /** of the text */
+      version: number;
+      tests: SceneTest[];
+    };
+  };
+  /** runs a test of the present text from its start, in a process of its own, and answers when it is over */
+  test: {
+    fields: {
+      /** index in `tests` */
+      test: number;
+      /** several: for `agree` alone */
+      backends: string[];
+      /** of the text that `tests` were of */
+      version: number;
+    };
+    answer: {
+      status: "passed" | "failed" | "error";
+      /** why there is no verdict */
+      message: string;
+      verdicts: TestVerdict[];
+      /** of the run, that the test does not check */
+      errors: string[];
+    };
+  };
+  /** ends the test that runs */
+  "test-cancel": {
+    fields: Record<string, never>;
+    answer: Record<string, never>;
   };
 }
 

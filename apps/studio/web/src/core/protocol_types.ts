@@ -105,6 +105,8 @@ export interface Status {
   frames: number;
   /** its number */
   scene: number;
+  /** what was done by hand since the start; missing in bundles */
+  inputs?: number;
   /** of the newest state, as `cogrsim run` prints it; "": it moves. Missing in bundles */
   state_hash?: string;
   compare: Comparison | null;
@@ -389,6 +391,10 @@ export interface SceneJoint {
   child_pose: Pose;
   /** lowest and highest coordinate of each axis [rad] or [m]; null: none */
   limits?: (number | null)[][];
+  /** coordinates at the start */
+  start?: number[];
+  /** other joints connect its bodies already */
+  closes_loop?: boolean;
   name: string;
   /** id; -1: not from this file */
   element: number;
@@ -401,6 +407,17 @@ export interface SceneMotor {
   joint: number;
   axis?: number;
   mode?: string;
+  /** of its target */
+  unit?: string;
+  /** least target; null: no limit is stated */
+  low?: number | null;
+  high?: number | null;
+  /** at the start */
+  target?: number;
+  /** [N m] or [N] */
+  max_effort?: number | null;
+  /** its axis turns, and does not slide */
+  turns?: boolean;
   name: string;
   /** id; -1: not from this file */
   element: number;
@@ -591,6 +608,10 @@ export interface FrameContact {
 export interface FrameTail {
   readings?: FrameReading[];
   contacts?: FrameContact[];
+  /** in the order of the scene's */
+  joints?: FrameJoint[];
+  /** of the motors [N m] or [N]; with the joints */
+  efforts?: (number | null)[];
 }
 
 /** null removes it */
@@ -748,4 +769,33 @@ export interface Debug {
   time: number | null;
   /** that the controller gets now */
   readings: DebugReading[];
+}
+
+export interface FrameJoint {
+  /** coordinates [rad] or [m] */
+  position: (number | null)[];
+  speed: (number | null)[];
+}
+
+/** A `<test>` of the scene */
+export interface SceneTest {
+  name: string;
+  line: number;
+  /** without `agree`: each engine is judged alone */
+  expectations: number;
+  /** `agree`: needs several engines */
+  agrees: number;
+  /** that it is for; empty: all */
+  backends: string[];
+}
+
+export interface TestVerdict {
+  expectation: string;
+  passed: boolean;
+  message: string;
+  /** when it was decided [s] */
+  time: number | null;
+  /** 0: none */
+  line: number;
+  column: number;
 }

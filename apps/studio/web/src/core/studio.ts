@@ -32,8 +32,8 @@ export interface Studio {
   /** Shows the code panel with the cursor there; lines and columns from 1. The shell opens the panel and then executes the
    *  command "code:go-to" with {file, line, column}, which the code panel registers. */
   goTo(file: string, line: number, column: number): void;
-  /** Opens (or raises) a panel: "view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare",
-   *  "debug", "console". */
+  /** Opens (or raises) a panel: "view3d", "map", "tree", "properties", "joints", "code", "cameras", "figures",
+   *  "compare", "tests", "debug", "console". */
   openPanel(name: string): void;
   /** A new figure, or one more curve in `figure`. The shell opens the panel and then executes the command "figures:draw" with
    *  {signal, figure} (figure: "" for a new one), which the figures panel registers. */

@@ -21,6 +21,8 @@ export const kKeys: [key: string, command: string][] = [
   ["8", "view:orthographic"],
   ["W", "handles:move"],
   ["E", "handles:rotate"],
+  ["R", "handles:resize"],
+  ["G", "handles:grab"],
   ["Delete", "edit:delete"],
   ["F2", "edit:rename"],
   ["Accel Z", "edit:undo"],

@@ -3,7 +3,10 @@ import { test } from "node:test";
 import { panelsIn, phone, presets, readArea, sameOrder, without } from "./layouts";
 
 const known = (p: string) =>
-  ["view3d", "map", "tree", "properties", "code", "cameras", "figures", "compare", "debug", "console"].includes(p);
+  [
+    ...["view3d", "map", "tree", "properties", "joints", "code", "cameras", "figures", "compare", "tests", "debug"],
+    "console",
+  ].includes(p);
 
 test("every preset is read back as it was written and names no panel twice", () => {
   for (const [name, area] of Object.entries({ ...presets, phone })) {

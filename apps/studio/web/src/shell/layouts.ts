@@ -20,8 +20,8 @@ const workbench = (...below: Area[]): Area =>
   row([1, 4.9], column([3, 2.6], tabs("tree"), tabs("properties")), column([2.85, 1], tabs("view3d"), ...below));
 
 export const presets: Record<string, Area> = {
-  Run: workbench(row([1, 1, 1.2], tabs("cameras"), tabs("map"), tabs("console", "figures"))),
-  Edit: workbench(tabs("code", "console", "map")),
+  Run: workbench(row([1.15, 1, 1.05], tabs("cameras", "joints"), tabs("map"), tabs("console", "tests", "figures"))),
+  Edit: workbench(tabs("code", "console", "map", "joints")),
   Code: row(
     [1, 2.4, 1.6],
     column([3, 2.6], tabs("tree"), tabs("properties")),

@@ -7,7 +7,9 @@ import type { PanelType, Studio } from "../core/studio";
 import * as debug from "../debug/panel";
 import * as figures from "../figures/panel";
 import * as forms from "../forms/panel";
+import * as hands from "../hands/panel";
 import * as map2d from "../map2d/panel";
+import * as sceneTests from "../scene_tests/panel";
 import * as tree from "../tree/panel";
 import * as view3d from "../view3d/panel";
 
@@ -17,10 +19,12 @@ export const panels: { panel: PanelType; register(studio: Studio): void }[] = [
   map2d,
   tree,
   forms,
+  hands,
   code,
   cameras,
   figures,
   compare,
+  sceneTests,
   debug,
   consolePanel,
 ];

@@ -109,6 +109,12 @@ export function registerCommands(studio: Studio): void {
     });
   handle("move", "Move with Handles", "Arrows on the selected thing move it; Escape while dragging takes it back");
   handle("rotate", "Rotate with Handles", "Rings on the selected thing turn it; Escape while dragging takes it back");
+  handle(
+    "resize",
+    "Resize with Handles",
+    "Cubes on the selected shape change its size; Escape while dragging takes it back",
+  );
+  handle("grab", "Grab", "While the run plays, a body is pulled to the pointer; with Alt it is so without this tool");
   commands.addCommand("handles:local", {
     label: "Handles along the Thing's Own Axes",
     caption: "Along its own axes instead of those of the world",

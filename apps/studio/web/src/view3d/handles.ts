@@ -2,9 +2,11 @@
 import { Object3D } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import type { Camera, Scene as ThreeScene } from "three";
-import type { Pose, Scene } from "../core/protocol";
+import { restOp } from "../add/rest";
+import type { Op, Pose, Scene, TreeElement, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { carried, compose, inverse, isFinite, poseAt, tidy } from "./pose";
+import { halfExtents, resized, whyNotResized } from "./resize";
 import { bodiesIn, movable, type Movable } from "./selecting";
 import { handleMode, handlesLocal, handlesSnap, kSnapAngle, kSnapLength } from "./settings";
 
@@ -36,6 +38,8 @@ export class Handles {
   readonly held = new Map<number, Pose>();
   private readonly controls: TransformControls;
   private readonly proxy = new Object3D();
+  /** The box of what is resized: its pose, and half its extents; null: nothing is. */
+  outline: { pose: Pose; half: Vec3 } | null = null;
   private what: Movable | null = null;
   private start: Pose | null = null;
   private starts = new Map<number, Pose>();
@@ -85,10 +89,14 @@ export class Handles {
     const mode = handleMode.value;
     this.what = null;
     let problem = "";
-    if (scene && poses && element >= 0 && mode !== "off" && state.mayEdit.value) {
+    if (scene && poses && element >= 0 && mode !== "off" && mode !== "grab" && state.mayEdit.value) {
       const found = movable(scene, element);
       if (typeof found === "string") problem = found;
       else this.what = found;
+      if (mode === "resize" && this.what) {
+        problem = whyNotResized(scene, this.what.kind === "body" ? this.what.index : -1, state.element(element));
+        if (problem !== "") this.what = null;
+      }
     }
     this.hooks.note(problem);
     const pose = this.what && scene && poses ? this.poseOf(scene, poses) : null;
@@ -99,7 +107,8 @@ export class Handles {
     this.proxy.position.set(pose[0], pose[1], pose[2]);
     this.proxy.quaternion.set(pose[4], pose[5], pose[6], pose[3]);
     this.proxy.updateMatrixWorld();
-    this.controls.setMode(mode === "rotate" ? "rotate" : "translate");
+    this.proxy.scale.set(1, 1, 1);
+    this.controls.setMode(mode === "rotate" ? "rotate" : mode === "resize" ? "scale" : "translate");
     this.controls.setSpace(handlesLocal.value ? "local" : "world");
     this.controls.setTranslationSnap(handlesSnap.value ? kSnapLength : null);
     this.controls.setRotationSnap(handlesSnap.value ? kSnapAngle : null);
@@ -141,10 +150,46 @@ export class Handles {
 
   private moved(): void {
     if (!this.controls.dragging || !this.start) return;
+    if (this.controls.mode === "scale") return this.grown();
     const by = compose(this.here(), inverse(this.start));
     for (const [body, pose] of this.starts) this.held.set(body, compose(by, pose));
     this.hooks.measure(dragText(this.start, this.here()));
     this.hooks.changed();
+  }
+
+  /** What the dragged sizes make of the element; null: it is gone. */
+  private size(): { element: TreeElement; now: NonNullable<ReturnType<typeof resized>> } | null {
+    const element = this.what ? this.studio.state.element(this.what.element) : undefined;
+    const { x, y, z } = this.proxy.scale;
+    const now = element ? resized(element, [x, y, z], handlesSnap.peek() ? kSnapLength : null) : null;
+    return element && now ? { element, now } : null;
+  }
+  private grown(): void {
+    const size = this.size();
+    const shape = this.studio.state.scene.peek()?.bodies[this.what?.index ?? -1]?.shapes[0];
+    if (!size || !shape) return;
+    const half = halfExtents(shape.type, shape.size);
+    this.outline = half && {
+      pose: compose(this.here(), shape.pose),
+      half: half.map((v, i) => v * size.now.scale[i]!) as Vec3,
+    };
+    this.hooks.measure(size.now.text);
+    this.hooks.changed();
+  }
+  /** Writes the size that was dragged. */
+  private async resize(name: string): Promise<void> {
+    const size = this.size();
+    this.outline = null;
+    this.proxy.scale.set(1, 1, 1);
+    this.hooks.changed();
+    if (!size || size.now.scale.every((v) => Math.abs(v - 1) < 1e-9)) return;
+    const { element, now } = size;
+    const changed = now.attributes.filter(([name, value]) => value !== element.attributes[name]);
+    const sets = changed.map(([attribute, value]): Op => ({ op: "set", element: element.id, attribute, value }));
+    // what stands on the floor still does
+    const [only] = changed;
+    const rest = only && changed.length === 1 ? restOp(this.studio.state, element, ...only) : null;
+    await this.studio.edit(`resize ${name}`, rest ? [...sets, rest] : sets).catch(() => null);
   }
 
   private readonly onKey = (event: KeyboardEvent): void => {
@@ -155,6 +200,7 @@ export class Handles {
     this.start = null;
     // the end of the drag sees that there is nothing to be written
     this.controls.pointerUp(null);
+    this.outline = null;
     this.drop();
   };
 
@@ -163,6 +209,7 @@ export class Handles {
     this.element.ownerDocument.removeEventListener("keydown", this.onKey, true);
     const { what, start } = this;
     this.start = null;
+    if (what && start && this.controls.mode === "scale") return this.resize(what.name);
     if (!what || !start || this.held.size === 0) return;
     const pose = this.here();
     if (pose.every((v, i) => Math.abs(v - start[i]!) < 1e-9)) {

@@ -65,7 +65,16 @@ export class Overlay {
   }
 
   /** `size`: of the scene [m]; lengths of arrows go by it. */
-  update(scene: Scene, frame: Frame, poses: Float32Array, size: number, trails: Trails, selected: number[]): void {
+  update(
+    scene: Scene,
+    frame: Frame,
+    poses: Float32Array,
+    size: number,
+    trails: Trails,
+    selected: number[],
+    pulled: [Vec3, Vec3] | null,
+    outline: { pose: Pose; half: Vec3 } | null,
+  ): void {
     const { lines, fans, topLines, dots } = this;
     lines.begin();
     fans.begin();
@@ -74,6 +83,20 @@ export class Overlay {
     const poseOf = (body: number): Pose =>
       body < 0 ? kIdentity : 7 * body + 6 < poses.length ? poseAt(poses, body) : scene.bodies[body]!.pose;
 
+    if (outline) {
+      const corner = (i: number): Vec3 =>
+        transform(
+          outline.pose,
+          outline.half.map((v, axis) => (i & (1 << axis) ? v : -v)),
+        );
+      for (let i = 0; i < 8; i++)
+        for (const bit of [1, 2, 4]) if (!(i & bit)) topLines.add(corner(i), corner(i | bit), kJoint);
+    }
+    if (pulled) {
+      const line = springLine(...pulled, 0.008 * size, false);
+      for (let i = 1; i < line.length; i++) topLines.add(line[i - 1]!, line[i]!, kForce);
+      for (const end of pulled) dots.add(end, kForce);
+    }
     if (overlays.rays.value) {
       for (const ray of rayEnds(scene, { ...frame, poses })) {
         if (ray.fan) {

@@ -57,6 +57,8 @@ class View3dWidget extends Widget {
         [
           { command: "handles:move", text: "Move", icon: "move" },
           { command: "handles:rotate", text: "Rotate", icon: "rotate" },
+          { command: "handles:resize", text: "Resize", icon: "resize" },
+          { command: "handles:grab", text: "Grab", icon: "grab" },
         ],
         [
           { command: "handles:local", text: "Local", icon: "local" },

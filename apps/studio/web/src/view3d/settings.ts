@@ -1,6 +1,6 @@
 // Settings of overlays and handles; stored by the browser.
 import { signal, type Signal } from "@preact/signals-core";
-import type { Vec3 } from "../core/protocol";
+import type { Pose, Vec3 } from "../core/protocol";
 import type { ViewName } from "./views";
 
 export const kOverlays = [
@@ -36,7 +36,10 @@ export type MapLayer = (typeof kMapLayers)[number];
 /** A handle is being dragged. */
 export const dragging = signal(false);
 
-export type HandleMode = "off" | "move" | "rotate";
+/** Poses that are shown instead of those of the frame, until the scene comes that has them; null: none. */
+export const preview = signal<ReadonlyMap<number, Pose> | null>(null);
+
+export type HandleMode = "off" | "move" | "rotate" | "resize" | "grab";
 
 const remembered = <T extends boolean | string>(name: string, otherwise: T): Signal<T> => {
   const key = `cogrsim.view.${name}`;
@@ -77,7 +80,7 @@ export const mapLayers = Object.fromEntries(
 ) as Record<MapLayer, Signal<boolean>>;
 
 export const handleMode = remembered<string>("handles", "off") as Signal<HandleMode>;
-if (!["off", "move", "rotate"].includes(handleMode.peek())) handleMode.value = "off";
+if (!["off", "move", "rotate", "resize", "grab"].includes(handleMode.peek())) handleMode.value = "off";
 /** Axes of the thing instead of those of the world. */
 export const handlesLocal = remembered<boolean>("handles.local", false);
 /** Steps of 1 cm and 15 degrees. */

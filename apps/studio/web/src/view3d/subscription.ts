@@ -5,6 +5,7 @@ import type { Studio } from "../core/studio";
 interface Needs {
   readings: boolean;
   contacts: boolean;
+  joints?: boolean;
 }
 
 export class Subscription {
@@ -17,7 +18,7 @@ export class Subscription {
       // a new server knows nothing of earlier subscriptions
       effect(() => {
         void studio.state.hello.value;
-        this.sent = JSON.stringify({ contacts: false, readings: false });
+        this.sent = JSON.stringify({ contacts: false, readings: false, joints: false });
         this.update();
       }),
     ];
@@ -35,7 +36,11 @@ export class Subscription {
   private update(): void {
     if (!this.studio.state.hello.peek()) return;
     const all = [...this.needs.values()];
-    const fields = { contacts: all.some((n) => n.contacts), readings: all.some((n) => n.readings) };
+    const fields = {
+      contacts: all.some((n) => n.contacts),
+      readings: all.some((n) => n.readings),
+      joints: all.some((n) => n.joints ?? false),
+    };
     const text = JSON.stringify(fields);
     if (text === this.sent) return;
     this.sent = text;

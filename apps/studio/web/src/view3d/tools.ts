@@ -113,7 +113,7 @@ export function openContextMenu(studio: Studio, x: number, y: number, extra: str
     for (const command of there) menu.addItem({ command });
   };
   if (state.selection.peek().length > 0 && state.mayEdit.peek()) {
-    add(["handles:move", "handles:rotate"]);
+    add(["handles:move", "handles:rotate", "handles:resize"]);
     add(["edit:rename", "edit:duplicate", "edit:copy", "edit:delete"]);
     add(["edit:assemble", "edit:disassemble"]);
   }

@@ -2,7 +2,7 @@
 import { effect, untracked } from "@preact/signals-core";
 import { Color, type Quaternion, Raycaster, Scene as ThreeScene, Vector2, Vector3 } from "three";
 import type { Frame } from "../core/frame";
-import type { Scene } from "../core/protocol";
+import type { Scene, Vec3 } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { Backdrop } from "./backdrop";
 import { Batches } from "./batches";
@@ -10,6 +10,7 @@ import { cornersOf, floorOf, joined, kNothing, radiusOf, visibleBounds, type Bou
 import { Eye } from "./camera";
 import { ContactShadows } from "./contact";
 import { Framing } from "./framing";
+import { Grabber } from "./grab";
 import { Handles } from "./handles";
 import { Highlight } from "./highlight";
 import { Labels } from "./labels";
@@ -27,6 +28,7 @@ import {
   marked,
   orthographic,
   overlays,
+  preview,
   viewRequest,
   type ViewWish,
 } from "./settings";
@@ -59,6 +61,7 @@ export class View3d {
   private readonly framing = new Framing();
   private framed: Bounds | null = null;
   private readonly handles: Handles;
+  private readonly grabber: Grabber;
   private readonly ray = new Raycaster();
   private painter: Painter;
   private batches: Batches | null = null;
@@ -108,6 +111,16 @@ export class View3d {
         dragging.value = on;
       },
       note: (text) => stand.note("handles", text),
+      measure: (text) => stand.measure(text),
+    });
+    this.grabber = new Grabber(studio, this.eye.camera, host, {
+      at: (x, y) => this.hitAt(x, y),
+      scene: () => this.scene,
+      poses: () => this.poses,
+      changed: () => {
+        this.remark = true;
+        this.drawSoon();
+      },
       measure: (text) => stand.measure(text),
     });
     this.stage.add(this.backdrop.root, this.overlay.root);
@@ -198,6 +211,11 @@ export class View3d {
       this.drawSoon();
     });
     on(() => {
+      void preview.value;
+      this.moved = true;
+      this.drawSoon();
+    });
+    on(() => {
       this.eye.setFlat(orthographic.value);
       this.drawSoon();
     });
@@ -265,7 +283,8 @@ export class View3d {
     const poses = new Float32Array(7 * scene.bodies.length);
     scene.bodies.forEach((body, i) => poses.set(body.pose, 7 * i));
     if (frame) poses.set(frame.poses.subarray(0, poses.length));
-    for (const [body, pose] of this.handles.held) poses.set(pose, 7 * body);
+    for (const held of [this.handles.held, preview.peek() ?? []])
+      for (const [body, pose] of held) if (7 * body < poses.length) poses.set(pose, 7 * body);
     this.poses = poses;
     batches.moveTo(poses);
 
@@ -307,7 +326,7 @@ export class View3d {
   private goAlong(): void {
     const { shown } = this.framing;
     if (!shown || shown === this.framed || this.handles.dragging) return;
-    if (this.eye.taken || this.studio.state.followed.peek()) return;
+    if (this.eye.taken || this.studio.state.followed.peek() || this.grabber.held) return;
     this.framed = shown;
     this.eye.fit(shown);
   }
@@ -335,6 +354,7 @@ export class View3d {
       if (this.rethemed) this.setTheme();
       const changed = this.moved || this.remark;
       if (this.moved) this.moveBodies();
+      if (this.grabber.held) this.grabber.tell();
       if (this.remark) this.mark();
       this.goAlong();
       if (this.scene) {
@@ -357,6 +377,8 @@ export class View3d {
             size,
             this.studio.services.get(RunTrails),
             this.studio.state.selection.peek(),
+            this.grabber.ends(),
+            this.handles.outline,
           );
       }
       this.eye.adjust(this.bounds);
@@ -408,6 +430,8 @@ export class View3d {
     this.eye.taken = false;
     this.framing.reset(this.bounds);
     this.framed = this.framing.shown;
+    // what moves is found with the next picture
+    this.moved = true;
     if (what === "fit") this.eye.fit(this.bounds ?? kNothing);
     else this.eye.look(what, this.bounds ?? kNothing);
     this.drawSoon();
@@ -435,13 +459,18 @@ export class View3d {
 
   /** The body under a position of the window; -1: none. */
   bodyAt(x: number, y: number): number {
-    if (!this.batches) return -1;
+    return this.hitAt(x, y)?.body ?? -1;
+  }
+  /** With the point of it; null: there is none. */
+  private hitAt(x: number, y: number): { body: number; point: Vec3 } | null {
+    if (!this.batches) return null;
     const box = this.stand.host.getBoundingClientRect();
     const at = new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2);
     this.eye.adjust(this.bounds);
     this.ray.setFromCamera(at, this.eye.camera);
     const hits = this.ray.intersectObject(this.batches.root, true);
-    return hits.length > 0 ? this.batches.bodyAt(hits[0]!) : -1;
+    const first = hits[0];
+    return first ? { body: this.batches.bodyAt(first), point: [first.point.x, first.point.y, first.point.z] } : null;
   }
 
   private isFloor(body: number): boolean {
@@ -526,6 +555,7 @@ export class View3d {
     for (const stop of this.stops) stop();
     this.visible = false;
     this.handles.dispose();
+    this.grabber.dispose();
     this.eye.dispose();
     this.batches?.dispose();
     this.ghosts?.dispose();
