@@ -198,7 +198,16 @@ MemoryPtr make_memory(const PolicyPtr& self, const std::optional<int>& worlds,
     throw py::value_error("worlds: expected 1 to 100000, given " + std::to_string(count));
   if (!seeds.empty() && seeds.size() != static_cast<std::size_t>(count))
     throw py::value_error(fmt::format("seeds: expected {}, given {}", count, seeds.size()));
+  if (!self->card && self->network->inputs().size() > 1)
+    raise("Error",
+          "the network has several inputs: give its card, which says which output each has next");
   if (self->card) {
+    if (self->card->actions.delay > 0.0)
+      raise("Error",
+            fmt::format("actions.delay is {} s, and targets() gives what a decision asks for at "
+                        "once: delay it yourself, and load the policy with "
+                        "change={{\"actions.delay\": \"0 s\"}}",
+                        self->card->actions.delay));
     for (const PolicyObservation& o : self->card->observations) {
       const double decisions = o.delay / self->card->period;
       if (std::fabs(decisions - std::round(decisions)) > 1e-6)
@@ -292,6 +301,9 @@ py::array_t<float> act(PyPolicy& self, const py::object& observations, const py:
     memory = given.cast<PyPolicyMemory*>();
     of_this(self, *memory);
   } else if (self.network->inputs().size() > 1) {
+    if (!self.card)
+      raise("Error",
+            "the network has several inputs: give its card, which says which output each has next");
     throw py::value_error("memory: the network has a state; give the memory of start()");
   }
   const py::array array =
@@ -530,7 +542,8 @@ void bind_policy(py::module_& m) {
     obs = policy.observe(policy.measure(sim.frame), memory, command=[0.5, 0, 0])
     targets = policy.targets(policy.act(obs, memory))
 
-change: values in place of the card's, by key, in YAML: {"actions.delay": "20 ms"}.
+change: values in place of the card's, by key, in YAML: {"actions.scale": "0.4"}. A card with actions.delay has no
+memory: delays of commands are those of a run.
 One thread evaluates a row of observations, in a fixed order, in float32: the same row gives the same bits, alone or
 among others. Several threads may call act() of one policy at once, with memories of their own.
 Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the network cannot be read.)")

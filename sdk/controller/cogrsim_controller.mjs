@@ -84,6 +84,16 @@ async function* messagesOf(link) {
 /** One simulation, from its hello to its end. `taken` is called with the hello. */
 async function serve(link, begin, { token, pictures }, taken) {
   let step;
+  let failed = false;
+  // What the controller throws is its fault, also where it looks like one of the connection.
+  const own = async (call) => {
+    try {
+      return await call();
+    } catch (error) {
+      failed = true;
+      throw error;
+    }
+  };
   send(link, { type: 'hello', protocol: 1, token, ...(pictures ? { pictures: true } : {}) });
   try {
     for await (const message of messagesOf(link)) {
@@ -91,17 +101,17 @@ async function serve(link, begin, { token, pictures }, taken) {
       if (message.type === 'refused') throw new Error(`the simulation refuses this controller: ${message.reason}`);
       if (message.type === 'hello') {
         taken();
-        step = await begin(message);
+        step = await own(() => begin(message));
         continue;
       }
       if (message.type !== 'update' || !step) continue;
-      const answer = (await step(message)) ?? {};
+      const answer = (await own(() => step(message))) ?? {};
       send(link, { type: 'set', ...(Array.isArray(answer) ? { targets: answer } : answer) });
     }
   } catch (error) {
     // A simulation that ends takes its connection along.
-    if (['ECONNRESET', 'EPIPE'].includes(error.code)) return;
-    if (!link.destroyed) send(link, { type: 'set', fault: String(error.message ?? error) });
+    if (!failed && ['ECONNRESET', 'EPIPE'].includes(error?.code)) return;
+    if (!link.destroyed) send(link, { type: 'set', fault: String(error?.message ?? error) });
     throw error;
   } finally {
     link.end();

@@ -521,6 +521,8 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
     options.scenes = arguments.scenes;
     options.set = settings_from(arguments.set);
     options.backend = arguments.backend;
+    if (!arguments.json.empty() && arguments.format != "text")
+      throw UsageError("--format", Problem("--json says it, too", "", "leave out one of them"));
     options.json = arguments.format == "json" ? "-" : arguments.json;
     options.sarif = arguments.format == "sarif";
     options.without = without_from(arguments.without);

@@ -58,12 +58,14 @@ int import_policy(const PolicyImportOptions& options,
     return refuse(written.error());
   const PolicyScene scene = load_policy(options.output, plugin_paths);
   print_diagnostics(scene.found);
-  std::fputs(fmt::format("{}: {}\n", one_line(options.output),
-                         first_error(scene.found) ? "written as its source is, which does not fit"
-                                                  : "written, and fits network and robot")
-                 .c_str(),
-             stderr);
-  return first_error(scene.found) ? kFailed : kGood;
+  const bool fits = !first_error(scene.found);
+  if (!fits || !is_quiet())
+    std::fputs(fmt::format("{}: {}\n", one_line(options.output),
+                           fits ? "written, and fits network and robot"
+                                : "written as its source is, which does not fit")
+                   .c_str(),
+               stderr);
+  return fits ? kGood : kFailed;
 }
 
 }  // namespace cogrsim::cli

@@ -54,6 +54,15 @@ class GymReader {
       if (const auto values = plain_numbers(yaml_, command, "cmd_init"))
         draft_.top.set("command", numbers_text(*values, false));
     files(root);
+    for (const char* key : {"arm_waist_joints2motor_idx", "arm_waist_target"})
+      if (const YAML::Node held = root[key]; held.IsDefined() && held.size() > 0) {
+        draft_.comments.push_back(
+            "deploy_real.py holds arms and waist at arm_waist_target: a card drives its joints alone.");
+        ask(draft_, yaml_, held, "robot",
+            "arms and waist are held at targets of their own, which a card does not do",
+            "--robot FILE: a robot whose file holds these joints, such as g1_12dof, without them");
+        break;
+      }
     if (real) {
       ask(draft_, yaml_,
           root["leg_joint2motor_idx"].IsDefined() ? root["leg_joint2motor_idx"] : root, "joints",

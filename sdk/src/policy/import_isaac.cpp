@@ -308,11 +308,7 @@ class IsaacReader {
              "there are JointPositionAction, JointVelocityAction and JointEffortAction");
       return;
     }
-    const YAML::Node ids = child(term, "joint_ids");
-    if (ids.IsDefined() && ids.IsSequence() && ids.size() > 0 && scalar(ids[0]) != "null" &&
-        !ids[0].IsNull() && ids.size() != count)
-      refuse(draft_, yaml_, ids, "the actions are of some of the joints only",
-             "a card has the same joints in actions and observations");
+    all_joints(child(term, "joint_ids"), count, "the actions are");
     Numbers scale, offset, low, high;
     bool clipped = false;
     if (!per_joint(child(term, "scale"), "scale", count, 1.0, scale) ||
@@ -322,22 +318,37 @@ class IsaacReader {
     put_actions(terms, kind, scale, offset, low, high, clipped);
   }
 
+  // "joint_ids" of actions and of terms: all in the order of the articulation (null, [null], a slice, 0 to n - 1).
+  void all_joints(const YAML::Node& ids, std::size_t count, const std::string& what) {
+    if (is_null(ids) || !ids.IsSequence() || ids.size() == 0 || ids[0].IsNull() ||
+        scalar(ids[0]) == "null")
+      return;
+    bool all = ids.size() == count;
+    for (std::size_t i = 0; all && i < count; ++i) all = scalar(ids[i]) == std::to_string(i);
+    if (!all)
+      refuse(draft_, yaml_, ids, what + " of some of the joints only, or in another order",
+             "a card has one list of joints, for actions and observations");
+  }
+
   // deploy.yaml numbers the joints by the maker's SDK, whose names are in the env.yaml of the training.
   void names_of_sdk(const YAML::Node& at) {
     const YAML::Node names =
         env_ ? child(child(child(env_->root(), "scene"), "robot"), "joint_sdk_names")
              : YAML::Node(YAML::NodeType::Undefined);
     if (!is_null(names)) {
-      const auto all = env_->words(names, "joint_sdk_names");
-      if (!all) return;
+      // A motor that is not there has an empty name.
+      const std::size_t all = names.IsSequence() ? names.size() : 0;
       for (const int i : draft_.sdk_order) {
-        if (static_cast<std::size_t>(i) >= all->size()) {
+        const auto number = static_cast<std::size_t>(i);
+        const std::string name = number < all ? scalar(names[number]) : std::string();
+        if (name.empty()) {
           env_->error(names, "CG1506",
-                      fmt::format("joint_sdk_names has {} entries, and deploy.yaml has joint {}",
-                                  all->size(), i));
+                      fmt::format("joint_sdk_names has no name of joint {}, which deploy.yaml has "
+                                  "(it has {} entries)",
+                                  i, all));
           return;
         }
-        joints_.push_back((*all)[static_cast<std::size_t>(i)]);
+        joints_.push_back(name);
       }
       draft_.top.set("joints", names_text(joints_));
       return;
@@ -437,6 +448,15 @@ class IsaacReader {
     term(path, function, node, overloads, width);
   }
 
+  static bool out_of_joints(const std::string& term) { return term.compare(0, 5, "joint") == 0; }
+
+  // Numbers of an angle, with the unit that a card wants.
+  static std::string with_unit(const Numbers& values) {
+    std::string out;
+    for (const double v : values) out += (out.empty() ? "[" : ", ") + number_text(v) + " rad";
+    return out + "]";
+  }
+
   void term(const YAML::Node& at, const std::string& function, const YAML::Node& node,
             const YAML::Node& settings, std::size_t width) {
     const auto known = std::find_if(std::begin(kKnown), std::end(kKnown),
@@ -454,6 +474,10 @@ class IsaacReader {
              "observations");
       return;
     }
+    const YAML::Node asset = child(child(node, "params"), "asset_cfg");
+    if (out_of_joints(known->term))
+      all_joints(child(asset, "joint_ids"), std::max(joints_.size(), draft_.joint_count),
+                 fmt::format("'{}' is", one_line(function)));
     DraftTerm out;
     out.name = known->term;
     out.width = width;
@@ -509,7 +533,7 @@ class IsaacReader {
       if (kind_ == "position" || !zero)
         draft_.actions.set("offset", is_pose && kind_ == "position" ? "default"
                                      : zero                         ? "none"
-                                                                    : list_text(offset_));
+                                                                    : with_unit(offset_));
     }
     gains(place, count);
     fallen(place);
@@ -547,6 +571,12 @@ class IsaacReader {
       const std::string text = numbers_text(values, true);
       return text.find(' ') == std::string::npos ? text : list_text(values);
     };
+    const auto counted = [&](const Numbers& values) {
+      return count -
+             static_cast<std::size_t>(std::count_if(values.begin(), values.end(), none));
+    };
+    std::size_t limp = 0;
+    for (std::size_t i = 0; i < count; ++i) limp += kp_[i] == 0.0 && kd_[i] == 0.0 ? 1u : 0u;
     if (open) {
       const std::string why =
           "the gains in the file are 0: the joints were driven by a model of actuators of their "
@@ -556,24 +586,38 @@ class IsaacReader {
         ask(draft_, yaml_, at, "actions.kp", why,
             "--set actions.kp=80 or a list per joint; ~ for the robot's own servos");
       ask(draft_, yaml_, at, "actions.kd", why, "--set actions.kd=2 or a list; ~ likewise");
+    } else if (limp > 0) {
+      const std::string why = fmt::format("{} of {} joints have no gains in the files", limp, count);
+      if (kind_ == "position")
+        ask(draft_, yaml_, at, "actions.kp", why, "--set 'actions.kp=[…]', one for each joint");
+      ask(draft_, yaml_, at, "actions.kd", why, "--set 'actions.kd=[…]', one for each joint");
     } else {
       if (kind_ == "position") draft_.actions.set("kp", listed(kp_));
       draft_.actions.set("kd", listed(kd_));
     }
-    if (std::all_of(effort.begin(), effort.end(), [](double v) { return v > 0.0; }))
+    const std::size_t limited = counted(effort);
+    if (limited == count)
       draft_.actions.set("effort-limit", listed(effort));
+    else if (limited > 0)
+      ask(draft_, yaml_, at, "actions.effort-limit",
+          fmt::format("{} of {} joints have a limit of effort in the files", limited, count),
+          "--set 'actions.effort-limit=[…]', one for each joint; ~ for the robot's own");
   }
 
   // A Python regular expression that names whole joints. It may be hostile: libstdc++'s polynomial matcher
-  // needs time proportional to pattern times name, both are short, and there are not many.
-  bool matches(const std::string& pattern, const std::string& name) {
-    if (pattern == name) return true;
-    if (pattern.empty() || pattern.size() > 200 || name.size() > 200) return false;
-    if (++tries_ > 20000) {
-      if (tries_ == 20001)
+  // needs time in proportion to the pattern's states times the name, and a stack as deep as they are many. Counts in
+  // braces, which make many states of a short pattern, name no joint; the tries are bounded.
+  bool matches(const YAML::Node& node, const std::string& name) {
+    if (!node.IsDefined() || !node.IsScalar() || ++tries_ > kMostTries) {
+      if (tries_ == kMostTries + 1)
         env_->error(env_->root(), "CG1503", "the actuators have too many patterns");
       return false;
     }
+    const std::string& pattern = node.Scalar();
+    if (pattern == name) return true;
+    if (pattern.empty() || pattern.size() > 100 || name.size() > 200 ||
+        pattern.find('{') != std::string::npos)
+      return false;
     try {
       return std::regex_match(
           name, std::regex(pattern, std::regex::ECMAScript | std::regex_constants::__polynomial));
@@ -587,7 +631,7 @@ class IsaacReader {
     if (is_null(node)) return 0.0;
     if (!node.IsMap()) return env_->quantity(node, units::dim::kNone, "a gain").value_or(0.0);
     for (const auto& entry : node)
-      if (matches(scalar(entry.first), joint))
+      if (tries_ <= kMostTries && matches(entry.first, joint))
         return env_->quantity(entry.second, units::dim::kNone, "a gain").value_or(0.0);
     return 0.0;
   }
@@ -597,9 +641,13 @@ class IsaacReader {
     if (is_null(all) || !all.IsMap() || all.size() > 200) return;
     for (const auto& entry : all) {
       const YAML::Node names = child(entry.second, "joint_names_expr");
-      bool its = matches(scalar(names), joint);
+      if (tries_ > kMostTries) return;
+      bool its = matches(names, joint);
       if (names.IsDefined() && names.IsSequence() && names.size() <= 1000)
-        for (const auto& name : names) its = its || matches(scalar(name), joint);
+        for (const auto& name : names) {
+          if (its || tries_ > kMostTries) break;
+          its = matches(name, joint);
+        }
       if (!its) continue;
       if (kp == 0.0 && kd == 0.0) {
         kp = value_of(child(entry.second, "stiffness"), joint);
@@ -670,6 +718,7 @@ class IsaacReader {
   Numbers pose_, kp_, kd_, offset_;
   std::string kind_;
   std::size_t commands_ = 0;
+  static constexpr int kMostTries = 20000;
   int tries_ = 0;
   bool clip_ = false;
   YAML::Node articulation_;

@@ -89,6 +89,7 @@ class ScriptReader {
       return;
     }
     for (const std::string& item : terms) observation(*stack, item);
+    unchanged(*stack);
     times();
     actions();
     pose();
@@ -100,6 +101,8 @@ class ScriptReader {
   }
 
  private:
+  static constexpr std::size_t kMostStatements = 20000;
+
   void split() {
     Statement now;
     int depth = 0, line = 1;
@@ -112,7 +115,9 @@ class ScriptReader {
         comment = false;
         quote = 0;  // texts of several lines have no statements in them that are looked for
         if (depth <= 0 && !now.text.empty()) {
-          if (statements_.size() < 20000) statements_.push_back(now);
+          if (statements_.size() == kMostStatements)
+            error(now, "CG1503", fmt::format("there are over {} statements", kMostStatements), "");
+          if (statements_.size() <= kMostStatements) statements_.push_back(now);
           now = {};
         }
         depth = std::max(depth, 0);
@@ -250,6 +255,12 @@ class ScriptReader {
         unknown(place, item);
         return;
       }
+      if (!site_.empty() && site_ != site)
+        ask_at(place, "base",
+               fmt::format("gravity is seen from '{}' and from '{}'", one_line(site_),
+                           one_line(site)),
+               "--base NAME");
+      site_ = site;
       draft_.top.set("base", name_text(site));
     } else if (made == "data.qpos[7:]-self._default_angles" || made == "data.qpos[7:]") {
       term.name = "joint-positions";
@@ -305,6 +316,10 @@ class ScriptReader {
       return false;
     }
     std::string angle = waves[0].substr(7, waves[0].size() - 8);
+    if (waves[1].size() < 8 || waves[1].substr(7, waves[1].size() - 8) != angle) {
+      unknown(at, made);
+      return false;
+    }
     std::string still;
     if (angle != "self._phase") {
       const std::string chosen = value(angle);
@@ -395,6 +410,32 @@ class ScriptReader {
     return {};
   }
 
+  // What a card has is made in one place: other changes of it would be lost.
+  void unchanged(const Statement& stack) {
+    for (const Statement& s : statements_) {
+      if (&s == &stack) continue;
+      for (const auto& [name, known] :
+           {std::pair{"obs", "obs=self.get_obs("},
+            {"onnx_pred", "onnx_pred=self._policy.run("},
+            {"self._last_action", "self._last_action=np.zeros"},
+            {"self._action_scale", "self._action_scale="},
+            {"self._default_angles", "self._default_angles="}}) {
+        const std::string word = name;
+        if (!begins(s.text, word)) continue;
+        const std::string rest = s.text.substr(word.size());
+        const bool assigns = begins(rest, "=") ? !begins(rest, "==") : begins(rest, "[");
+        const bool augments = rest.size() > 1 && rest[1] == '=' &&
+                              std::string("*+-/").find(rest[0]) != std::string::npos;
+        if ((!assigns && !augments) || begins(s.text, known) ||
+            s.text == "self._last_action=onnx_pred.copy()")
+          continue;
+        refuse_at(s, fmt::format("'{}' is changed here, and a card has no such thing", word),
+                  "a card has the terms of obs = np.hstack([…]), and the output as it is",
+                  word == "obs" ? "observations" : "actions");
+      }
+    }
+  }
+
   void actions() {
     draft_.actions.set("kind", "position");
     bool law = false;
@@ -445,7 +486,8 @@ class ScriptReader {
       const std::size_t from = s.text.find("Model.from_xml_path(");
       if (from == std::string::npos) continue;
       at = s;
-      constant = parts_of(s.text.substr(from + 20)).front();
+      const std::vector<std::string> arguments = parts_of(s.text.substr(from + 20));
+      if (!arguments.empty()) constant = arguments.front();
       constant = constant.substr(0, constant.find(".as_posix"));
     }
     ask_at(at, "robot",
@@ -471,7 +513,7 @@ class ScriptReader {
   std::string path_;
   CardDraft& draft_;
   std::vector<Diagnostic>& found_;
-  std::string text_;
+  std::string text_, site_;
   std::vector<Statement> statements_;
 };
 
