@@ -82,6 +82,8 @@ TEST_CASE("wrong usage exits with 2 and names a remedy", "[cli][program]") {
       {{"run", kFlight, "--step", "1 kg"}, "unknown unit 'kg'"},
       {{"run", kFlight, "--step", "1ms", "--step", "2ms"}, "one step"},
       {{"run", kFlight, "--speed", "0"}, "not a speed"},
+      {{"run", kFlight, "--from", "a.snap", "--inputs", "a.mcap"}, "from the start"},
+      {{"run", kFlight, "--watch", "--inputs", "a.mcap"}, "for one run"},
       {{"run", kFlight, "--seed", "x"}, "not a seed"},
       {{"run", kFlight, "--set", "h"}, "name=value"},
       {{"run", kFlight, "--set", "h=1 m", "--set", "h=2 m"}, "set twice"},

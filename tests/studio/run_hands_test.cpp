@@ -198,6 +198,71 @@ TEST_CASE("a run that was edited is not made again", "[studio][run][hands]") {
   edited.replace(edited.find("2 kg"), 4, "3 kg");
   page.show(edited, 2);
   CHECK_THAT(page.error("repeat"), Catch::Contains("changed at 0.02 s"));
+  page.get("stop");
+  CHECK_THAT(page.error("repeat"), Catch::Contains("changed at 0.02 s"));
+}
+
+TEST_CASE("a run of another scene or engine is not made again", "[studio][run][hands]") {
+  Page page;
+  page.join(1);
+  page.show(kScene);
+  page.get("step", {{"count", 10}});
+  page.get("motor", {{"motor", "mill.drive"}, {"target", 1.0}});
+  page.get("step", {{"count", 10}});
+  page.get("stop");
+  SECTION("scene") {
+    std::string edited = kScene;
+    edited.replace(edited.find("2 kg"), 4, "3 kg");
+    page.show(edited, 2);
+    CHECK_THAT(page.error("repeat"), Catch::Contains("scene was changed"));
+  }
+  SECTION("engine") {
+    page.get("backend", {{"name", "cogrsim"}});
+    CHECK_THAT(page.error("repeat"), Catch::Contains("the engine is cogrsim"));
+    page.get("backend", {{"name", "bullet"}});
+    CHECK(page.get("repeat").at("inputs") == 1);
+  }
+}
+
+TEST_CASE("a repetition that is stopped early forgets nothing", "[studio][run][hands]") {
+  Page page;
+  page.join(1);
+  page.show(kScene);
+  page.get("speed", {{"factor", 0.01}});
+  for (const double target : {1.0, 2.0, 3.0}) {
+    page.get("step", {{"count", 100}});
+    page.get("motor", {{"motor", "mill.drive"}, {"target", target}});
+  }
+  for (const bool stopped : {false, true, false, true}) {
+    CHECK(page.get("repeat").at("inputs") == 3);
+    page.get("pause");
+    if (stopped) page.get("stop");
+  }
+}
+
+TEST_CASE("a step length given by hand is not repeated for two runs with their own",
+          "[studio][run][hands]") {
+  Page page;
+  page.join(1);
+  page.show(kScene);
+  page.get("step", {{"count", 10}});
+  page.get("dt", {{"value", 0.0005}});
+  page.get("step", {{"count", 10}});
+  page.get("compare", {{"backend", nullptr}, {"step", 0.002}});
+  CHECK_THAT(page.error("repeat"), Catch::Contains("steps of their own"));
+}
+
+TEST_CASE("inputs for a step that is over hold up no others", "[studio][hands]") {
+  cli::InputPlayer player(
+      {{1, SetMotor{"m", 1.0}}, {5, SetMotor{"m", 5.0}}, {7, SetMotor{"m", 7.0}}});
+  std::vector<std::uint64_t> given;
+  const auto taken = [&](const cli::Input& input) { given.push_back(input.step); };
+  player.give(5, taken);
+  CHECK(given == std::vector<std::uint64_t>{5});
+  CHECK(player.missed() == 1);
+  REQUIRE(player.rest().size() == 1);
+  CHECK(player.rest()[0].step == 7);
+  CHECK(player.left() == 1);
 }
 
 TEST_CASE("frames have joints and efforts for who asks", "[studio][run][hands]") {

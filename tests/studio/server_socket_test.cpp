@@ -88,6 +88,26 @@ TEST_CASE("a stream in a mailbox loses its oldest messages", "[studio][mailbox]"
   CHECK(box.waiting_bytes() == 0);
 }
 
+TEST_CASE("a stream in a mailbox keeps what is to be kept", "[studio][mailbox]") {
+  Mailbox box(20, 10);
+  std::size_t dropped = 0;
+  box.put_stream("s", bytes(std::string(100, 's')), dropped, true);  // the largest may be longer
+  for (int i = 0; i < 5; ++i) box.put_stream("h", bytes("four"), dropped);
+  CHECK(dropped == 3);
+  CHECK(box.waiting_bytes() == 111);
+  box.put_stream("a", bytes("answer"), dropped, true);
+  CHECK(dropped == 3);
+  CHECK_FALSE(box.overfull());
+  // in their order
+  for (const char* head : {"s", "h", "h", "a"}) CHECK(box.next()->head == head);
+  CHECK_FALSE(box.next());
+  CHECK(box.waiting_bytes() == 0);
+  // and no more of them than of texts
+  for (int i = 0; i < 4; ++i) box.put_stream("a", bytes("answer"), dropped, true);
+  CHECK(box.overfull());
+  CHECK(box.waiting_bytes() == 0);
+}
+
 TEST_CASE("texts go in both directions with the client's role", "[studio][server]") {
   Served served;
   SocketClient one(served.port, served.operator_token);

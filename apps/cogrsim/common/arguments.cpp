@@ -1,9 +1,11 @@
 #include "common/arguments.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
 
+#include "cogrsim/core/parameter.h"
 #include "cogrsim/physics/leave_out.h"
 #include "common/options.h"
 #include "common/quantities.h"
@@ -85,6 +87,22 @@ void add_list(CLI::App& command, const char* name, std::vector<std::string>& to,
       ->type_name(type)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+std::string unexpected_argument(const CLI::App& command,
+                                const std::vector<std::string>& arguments) {
+  const auto is_option = [](const std::string& text) { return text.size() > 1 && text[0] == '-'; };
+  const auto found = std::find_if(arguments.begin(), arguments.end(), is_option);
+  const std::string all = fmt::format("'cogrsim {} --help' lists all", command.get_name());
+  if (found == arguments.end())
+    return fmt::format("'{}' is an argument too many\nhelp: {}", arguments.front(), all);
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::string wrong = found->substr(0, found->find('='));
+  const std::string nearest = nearest_name(wrong, names);
+  return fmt::format("there is no option '{}'\nhelp: {}{}", wrong,
+                     nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), all);
 }
 
 }  // namespace cogrsim::cli

@@ -45,4 +45,8 @@ std::vector<std::string> without_from(const std::vector<std::string>& arguments)
 /// `--set NAME=VALUE`, each name once.
 std::map<std::string, std::string> settings_from(const std::vector<std::string>& arguments);
 
+/// The error for arguments that a subcommand does not know: the first of them, options first.
+std::string unexpected_argument(const CLI::App& command,
+                                const std::vector<std::string>& arguments);
+
 }  // namespace cogrsim::cli

@@ -149,9 +149,11 @@ RunOptions run_from(const Arguments& arguments) {
     throw UsageError("--watch", Problem("--json - is for one result, and here come several", "",
                                         "name a file, which has the latest: --json result.json"));
   }
-  if (arguments.watch && !arguments.inputs.empty()) {
-    throw UsageError("--watch", Problem("--inputs are for one run", "",
-                                        "leave out one of them"));
+  if (!arguments.inputs.empty() && (arguments.watch || !arguments.snapshot.empty())) {
+    throw UsageError(arguments.watch ? "--watch" : "--from",
+                     Problem(arguments.watch ? "--inputs are for one run"
+                                             : "--inputs are for a run from the start",
+                             "", "leave out one of them"));
   }
   if (!options.record.empty() && options.record == options.json) {
     throw UsageError("--record", Problem("--record and --json name the same file"));
@@ -700,23 +702,6 @@ void refuse_empty_values(CLI::App& command) {
                  : std::string();
     });
   }
-}
-
-/// The error for arguments that a subcommand does not know: the first of them, options first.
-std::string unexpected_argument(const CLI::App& command,
-                                const std::vector<std::string>& arguments) {
-  const auto is_option = [](const std::string& text) { return text.size() > 1 && text[0] == '-'; };
-  const auto found = std::find_if(arguments.begin(), arguments.end(), is_option);
-  const std::string all = fmt::format("'cogrsim {} --help' lists all", command.get_name());
-  if (found == arguments.end())
-    return fmt::format("'{}' is an argument too many\nhelp: {}", arguments.front(), all);
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  const std::string wrong = found->substr(0, found->find('='));
-  const std::string nearest = nearest_name(wrong, names);
-  return fmt::format("there is no option '{}'\nhelp: {}{}", wrong,
-                     nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), all);
 }
 
 }  // namespace

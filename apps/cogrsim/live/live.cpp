@@ -85,6 +85,8 @@ RunStatus Live::serve(double end) {
   return status;
 }
 
+double Live::speed() const { return impl_->session.speed(); }
+
 bool is_loopback(const std::string& host) {
   return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
 }

@@ -28,6 +28,8 @@ class Live {
   /// Does what clients ask for: to be called between steps, a few times a second. While the run is
   /// paused, it waits, until a client resumes it, an interrupt ends it, or `end` [s] is reached.
   RunStatus serve(double end);
+  /// Simulated seconds per second, as clients have set it; infinity: as fast as it can.
+  double speed() const;
 
  private:
   struct Impl;

@@ -11,6 +11,8 @@ using WireJson = nlohmann::json;
 
 namespace {
 
+// Slower, a single step sleeps so long that the run serves nobody meanwhile.
+constexpr double kSlowest = 1e-3, kFastest = 1e6;
 constexpr std::size_t kQuotedBytes = 80;  // bytes of a client's text that it gets back
 
 WireJson json_schema(const char* name, const WireJson& properties, const WireJson& required) {
@@ -50,7 +52,8 @@ WireJson server_info(const std::string& backend, const WireJson& scene) {
 
 WireJson services_json() {
   const WireJson speed = {
-      {"anyOf", {{{"type", "number"}, {"exclusiveMinimum", 0}}, {{"const", "max"}}}},
+      {"anyOf",
+       {{{"type", "number"}, {"minimum", kSlowest}, {"maximum", kFastest}}, {{"const", "max"}}}},
       {"description", "simulated seconds per second, or max"}};
   const WireJson response =
       json_schema("cogrsim.Run",
@@ -80,7 +83,7 @@ std::optional<double> speed_of(const WireJson& value) {
   if (value == "max") return std::numeric_limits<double>::infinity();
   if (!value.is_number()) return std::nullopt;
   const double speed = value.get<double>();
-  return speed > 0.0 && std::isfinite(speed) ? std::optional<double>(speed) : std::nullopt;
+  return speed >= kSlowest && speed <= kFastest ? std::optional<double>(speed) : std::nullopt;
 }
 
 std::string excerpt(const std::string& text) {

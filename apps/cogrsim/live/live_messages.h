@@ -30,8 +30,11 @@ nlohmann::json server_info(const std::string& backend, const nlohmann::json& sce
 nlohmann::json services_json();
 /// A number, or "max".
 nlohmann::json speed_json(double speed);
-/// A speed greater than 0 that a client sent.
+/// A speed that a client sent, of those that a run takes from it.
 std::optional<double> speed_of(const nlohmann::json& value);
+/// What a speed has to be, for a message to a client.
+inline constexpr const char* kWrongSpeed =
+    "'speed' has to be a number from 0.001 to 1e6, or \"max\"";
 
 /// What a client wrote, for a message to it: short, on one line.
 std::string excerpt(const std::string& text);

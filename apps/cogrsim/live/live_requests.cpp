@@ -51,6 +51,7 @@ void LiveSession::serve(std::uint64_t frames_left_out) {
     for (Command& command : wish.commands) {
       if (const auto* speed = std::get_if<SetSpeed>(&command)) {
         parameters_["speed"] = speed_json(speed->factor);
+        speed_ = speed->factor;
       }
       simulation_.send(std::move(command));
     }
@@ -117,7 +118,7 @@ void LiveSession::answer(const Wish& wish) {
   net::put_number(head, static_cast<std::uint32_t>(kEncoding.size()));
   head += kEncoding;
   server_.stream(wish.client, std::move(head),
-                 std::make_shared<const std::string>(wire_text(run_json())));
+                 std::make_shared<const std::string>(wire_text(run_json())), true);
 }
 
 // ---- the network's thread
@@ -167,7 +168,7 @@ void LiveSession::call_service(ClientId client, std::string_view bytes) {
     case Service::speed: {
       const auto speed = request.contains("speed") ? speed_of(request["speed"]) : std::nullopt;
       if (!speed) {
-        return refuse_call(wish, "'speed' has to be a number greater than 0, or \"max\"");
+        return refuse_call(wish, kWrongSpeed);
       }
       wish.commands = {SetSpeed{*speed}};
       break;
@@ -250,8 +251,7 @@ void LiveSession::set_parameters(ClientId client, const Json& message) {
       wish.commands.push_back(SetSpeed{*speed});
     } else if (name == "paused" || name == "speed") {
       complain(client, StatusLevel::error,
-               name == "paused" ? "'paused' is true or false"
-                                : "'speed' has to be a number greater than 0, or \"max\"");
+               name == "paused" ? "'paused' is true or false" : kWrongSpeed);
     } else {
       complain(client, StatusLevel::error,
                fmt::format("'{}' cannot be set while the scene runs: 'paused' and 'speed' can",

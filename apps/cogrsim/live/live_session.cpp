@@ -27,7 +27,7 @@ bool is_lasting(const std::string& topic) { return topic == "/model" || topic ==
 
 LiveSession::LiveSession(net::Server& server, Simulation& simulation, double speed,
                          const std::map<std::string, std::string>& set)
-    : server_(server), simulation_(simulation) {
+    : server_(server), simulation_(simulation), speed_(speed) {
   parameters_["scene"] = simulation.model()->name;
   parameters_["backend"] = simulation.backend().name();
   parameters_["seed"] = simulation.model()->physics.seed;
@@ -114,7 +114,7 @@ void LiveSession::deliver(Topic& topic, const std::pair<ClientId, std::uint32_t>
   net::put_number(head, to.second);
   net::put_number(head, topic.last_time);
   Client& client = clients_[to.first];
-  client.dropped += server_.stream(to.first, std::move(head), topic.last);
+  client.dropped += server_.stream(to.first, std::move(head), topic.last, topic.lasting);
   if (client.dropped == client.dropped_said) return;
   const auto now = Clock::now();
   if (now - client.dropped_time < kComplaintGap) return;

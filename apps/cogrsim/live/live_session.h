@@ -35,6 +35,8 @@ class LiveSession final : public net::Inbox, public RunStream::Sink {
   void serve(std::uint64_t frames_left_out);
   /// Waits until something is asked for, or for `longest`.
   void wait(std::chrono::milliseconds longest);
+  /// What was asked for last [simulated seconds per second]; infinity: as fast as it can.
+  double speed() const { return speed_; }
 
   // By the network's thread.
   void joined(net::ClientId client, net::Role role) override;
@@ -130,6 +132,7 @@ class LiveSession final : public net::Inbox, public RunStream::Sink {
 
   // Of the run's thread.
   std::vector<Wish> done_;
+  double speed_;
   SceneModelPtr known_model_;
   std::uint64_t left_out_said_ = 0;
 

@@ -1,5 +1,7 @@
 #include "net/mailbox.h"
 
+#include <algorithm>
+
 namespace cogrsim::net {
 
 bool Mailbox::wake() {
@@ -8,16 +10,22 @@ bool Mailbox::wake() {
   return first;
 }
 
+void Mailbox::check_limit() {
+  // The first text and the largest message that is kept do not count: a large scene must not cut off the
+  // client that receives it.
+  const std::size_t first = texts_.empty() ? 0 : texts_.front()->size();
+  const std::size_t kept = kept_bytes_ - std::min(kept_bytes_, largest_kept_);
+  if (text_bytes_ - first + kept <= limit_) return;
+  overfull_ = true;
+  drop_all();
+}
+
 bool Mailbox::put_text(Bytes text) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (closed_ || overfull_) return false;
   text_bytes_ += text->size();
   texts_.push_back(std::move(text));
-  // The first one does not count: a large scene must not cut off the client that receives it.
-  if (text_bytes_ - texts_.front()->size() > limit_) {
-    overfull_ = true;
-    drop_all();
-  }
+  check_limit();
   return wake();
 }
 
@@ -35,14 +43,25 @@ bool Mailbox::put_picture(const std::string& key, Bytes picture) {
   return !picture_in_flight_ && wake();
 }
 
-bool Mailbox::put_stream(std::string head, Bytes body, std::size_t& dropped) {
+bool Mailbox::put_stream(std::string head, Bytes body, std::size_t& dropped, bool keep) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (closed_ || overfull_) return false;
-  stream_bytes_ += head.size() + body->size();
-  stream_.push_back({std::move(body), true, std::move(head)});
-  while (stream_.size() > 1 && stream_bytes_ > stream_limit_) {
-    stream_bytes_ -= stream_.front().head.size() + stream_.front().bytes->size();
-    stream_.pop_front();
+  const std::size_t size = head.size() + body->size();
+  stream_.push_back({std::move(body), true, std::move(head), keep});
+  if (keep) {
+    kept_bytes_ += size;
+    largest_kept_ = std::max(largest_kept_, size);
+    check_limit();
+    return wake();
+  }
+  stream_bytes_ += size;
+  for (std::size_t i = 0; i + 1 < stream_.size() && stream_bytes_ > stream_limit_;) {
+    if (stream_[i].keep) {
+      ++i;
+      continue;
+    }
+    stream_bytes_ -= stream_[i].head.size() + stream_[i].bytes->size();
+    stream_.erase(stream_.begin() + static_cast<std::ptrdiff_t>(i));
     ++dropped;
   }
   return wake();
@@ -65,7 +84,7 @@ bool Mailbox::overfull() const {
 
 std::size_t Mailbox::waiting_bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::size_t bytes = text_bytes_ + stream_bytes_ + (frame_ ? frame_->size() : 0);
+  std::size_t bytes = text_bytes_ + kept_bytes_ + stream_bytes_ + (frame_ ? frame_->size() : 0);
   for (const auto& [key, picture] : pictures_) bytes += picture->size();
   return bytes;
 }
@@ -73,7 +92,7 @@ std::size_t Mailbox::waiting_bytes() const {
 std::optional<Mailbox::Item> Mailbox::next() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!texts_.empty()) {
-    Item item{std::move(texts_.front()), false, {}};
+    Item item{std::move(texts_.front()), false};
     texts_.pop_front();
     text_bytes_ -= item.bytes->size();
     return item;
@@ -81,18 +100,20 @@ std::optional<Mailbox::Item> Mailbox::next() {
   if (!stream_.empty()) {
     Item item = std::move(stream_.front());
     stream_.pop_front();
-    stream_bytes_ -= item.head.size() + item.bytes->size();
+    std::size_t& waiting = item.keep ? kept_bytes_ : stream_bytes_;
+    waiting -= item.head.size() + item.bytes->size();
+    if (kept_bytes_ == 0) largest_kept_ = 0;
     return item;
   }
   if (frame_ && !frame_in_flight_) {
     frame_in_flight_ = true;
-    return Item{std::move(frame_), true, {}};
+    return Item{std::move(frame_), true};
   }
   if (!pictures_.empty() && !picture_in_flight_) {
     auto turn = pictures_.upper_bound(last_key_);
     if (turn == pictures_.end()) turn = pictures_.begin();
     last_key_ = turn->first;
-    Item item{std::move(turn->second), true, {}};
+    Item item{std::move(turn->second), true};
     pictures_.erase(turn);
     picture_in_flight_ = true;
     return item;
@@ -119,7 +140,7 @@ void Mailbox::close() {
 void Mailbox::drop_all() {
   texts_.clear();
   stream_.clear();
-  text_bytes_ = stream_bytes_ = 0;
+  text_bytes_ = kept_bytes_ = largest_kept_ = stream_bytes_ = 0;
   frame_.reset();
   pictures_.clear();
 }

@@ -18,7 +18,7 @@ namespace cogrsim::net {
 class Mailbox {
  public:
   /// `limit`: of the waiting texts [byte], not counting the next one. `stream_limit`: of the waiting
-  /// messages of the stream [byte], not counting the newest one.
+  /// messages of the stream [byte], not counting the newest one and those that are kept.
   explicit Mailbox(std::size_t limit, std::size_t stream_limit = 0)
       : limit_(limit), stream_limit_(stream_limit) {}
 
@@ -28,8 +28,8 @@ class Mailbox {
   bool put_frame(Bytes frame);
   bool put_picture(const std::string& key, Bytes picture);
   /// Appends to the stream, and drops the oldest for it where it does not fit; adds their number to
-  /// `dropped`.
-  bool put_stream(std::string head, Bytes body, std::size_t& dropped);
+  /// `dropped`. `keep`: this one is never dropped, and counts as the texts do.
+  bool put_stream(std::string head, Bytes body, std::size_t& dropped, bool keep = false);
   void wake_seen();
 
   /// No picture waits, and none is in flight.
@@ -43,6 +43,7 @@ class Mailbox {
     Bytes bytes;
     bool binary = false;
     std::string head = {};  ///< goes before the bytes, in the same message
+    bool keep = false;      ///< of the stream: not dropped
   };
   /// What to send now. Texts go first, so that a scene is there before its frames.
   std::optional<Item> next();
@@ -53,10 +54,13 @@ class Mailbox {
 
  private:
   bool wake();
+  void check_limit();
   void drop_all();
 
   mutable std::mutex mutex_;
   std::size_t limit_, stream_limit_, text_bytes_ = 0, stream_bytes_ = 0;
+  std::size_t kept_bytes_ = 0;    ///< of the stream's messages that are kept
+  std::size_t largest_kept_ = 0;  ///< of them, since none waited [byte]
   std::deque<Bytes> texts_;
   std::deque<Item> stream_;
   Bytes frame_;

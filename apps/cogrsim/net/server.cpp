@@ -593,10 +593,10 @@ void Server::offer_picture(ClientId client, const std::string& key, Bytes pictur
   if (box && picture && box->put_picture(key, std::move(picture))) impl_->wake(client);
 }
 
-std::size_t Server::stream(ClientId client, std::string head, Bytes body) {
+std::size_t Server::stream(ClientId client, std::string head, Bytes body, bool keep) {
   std::size_t dropped = 0;
   const auto box = impl_->box(client);
-  if (box && body && box->put_stream(std::move(head), std::move(body), dropped))
+  if (box && body && box->put_stream(std::move(head), std::move(body), dropped, keep))
     impl_->wake(client);
   return dropped;
 }

@@ -63,8 +63,9 @@ class Server : public Outbox {
   bool wants_picture(ClientId client) const override;
 
   /// One more binary message, `head` and then `body`, behind those that wait. Returns how many of
-  /// the oldest were dropped for it, because the client reads too slowly. From any thread.
-  std::size_t stream(ClientId client, std::string head, Bytes body);
+  /// the oldest were dropped for it, because the client reads too slowly. `keep`: this one is never
+  /// dropped; where too many of these wait the client is cut off, as with texts. From any thread.
+  std::size_t stream(ClientId client, std::string head, Bytes body, bool keep = false);
 
  protected:
   struct Impl;

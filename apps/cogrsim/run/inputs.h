@@ -46,13 +46,26 @@ class InputPlayer {
   /// Those that are due: to be called before each step. `taken` is called with each of them.
   template <class Taken>
   void give(std::uint64_t step, Taken taken) {
-    for (; next_ < inputs_.size() && inputs_[next_].step == step; ++next_) taken(inputs_[next_]);
+    for (; next_ < inputs_.size() && inputs_[next_].step <= step; ++next_) {
+      // One for a step that is over must not hold up those that follow.
+      if (inputs_[next_].step == step) {
+        taken(inputs_[next_]);
+      } else {
+        ++missed_;
+      }
+    }
   }
   std::size_t left() const { return inputs_.size() - next_; }
+  /// Those that were not given: their step was over.
+  std::size_t missed() const { return missed_; }
+  /// Those that are not due yet.
+  std::vector<Input> rest() const {
+    return {inputs_.begin() + static_cast<std::ptrdiff_t>(next_), inputs_.end()};
+  }
 
  private:
   std::vector<Input> inputs_;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0, missed_ = 0;
 };
 
 }  // namespace cogrsim::cli

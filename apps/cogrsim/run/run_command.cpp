@@ -268,6 +268,9 @@ class SceneRun {
     if (inputs_ && inputs_->left() > 0)
       print_warning(fmt::format("{}: {} inputs are for later than the end of this run",
                                 options_.inputs, inputs_->left()));
+    if (inputs_ && inputs_->missed() > 0)
+      print_warning(fmt::format("{}: {} inputs were left out: they are for steps that were over",
+                                options_.inputs, inputs_->missed()));
     result_.messages = simulation_->messages();
     result_.events = run_log.events();
     result_.events_left_out = run_log.events_left_out();

@@ -432,6 +432,7 @@ Answer DocumentRequests::save_source(const Request& request) {
 }
 
 Answer DocumentRequests::tests(const Request&) {
+  if (stale_) compile();  // who asks is to get the tests of the newest text
   Json tests = Json::array();
   if (good_) {
     for (const TestModel& test : scene_.result.model->tests) {
@@ -465,7 +466,7 @@ void DocumentRequests::test(const Request& request, const Reply& reply) {
   asked.plugin_folders = loader_->folders();
   asked.parameters = options_.parameters;
   asked.seed = options_.seed;
-  test_run_.start(std::move(asked), reply);
+  test_run_.start(std::move(asked), request.client, reply);
 }
 
 Answer DocumentRequests::cancel_test(const Request&) {

@@ -67,7 +67,12 @@ class DocumentRequests final : public Document {
   void joined(ClientId client, Role role) override;
   const std::vector<std::string>& notes() const override { return notes_; }
   std::string finish() override;
-  void left(ClientId client) override { queue_->forget(client); }
+  void left(ClientId client) override {
+    queue_->forget(client);
+    // At once, and once more behind its requests that still wait: an operator's are done all the same.
+    test_run_.left(client);
+    queue_->put(client, Role::operator_, {"", [this, client] { test_run_.left(client); }});
+  }
 
  private:
   using Handler = Answer (DocumentRequests::*)(const Request&);

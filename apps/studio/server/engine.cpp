@@ -20,6 +20,8 @@ constexpr double kMostBehind = 0.1;  // [s] of wall-clock time
 /// A plugin that does not return for so long is not waited for at the end, as in runs from the
 /// command line.
 constexpr double kMostAtEnd = 3.0;  // [s]
+/// From one common time of two runs to the next: twice what steps_meet() allows to both together.
+constexpr int kMostApart = 4000;
 
 }  // namespace
 
@@ -218,7 +220,13 @@ bool Engine::advance() {
     if (!step_main()) return false;
   } else {
     const double tick = std::min(simulation_->dt(), ghost_->simulation->dt());
+    int steps = 0;
     do {
+      // Something in the run has set another step: they would be stepped for ever.
+      if (++steps > kMostApart) {
+        end("the steps of the two runs have no time in common any more");
+        return false;
+      }
       // Half a tick of slack: clocks that agree differ by rounding at most.
       const double ahead = simulation_->time() - ghost_->simulation->time();
       if (ahead < 1e-6 * tick ? !step_main() : !step_ghost()) return false;

@@ -137,6 +137,7 @@ class Engine {
   void pull();
   void set_spring(Grab& grab, std::size_t body) const;
   void forget_inputs();
+  cli::Inputs all_inputs() const;
   void lose_inputs(const std::string& why);
 
   // engine_record.cpp
@@ -190,6 +191,7 @@ class Engine {
 
   cli::Inputs inputs_;                ///< of the present run
   cli::Inputs before_;                ///< of the last run before it that had any
+  SceneModelPtr inputs_scene_, before_scene_;  ///< what these runs started with
   cli::InputPlayer repeated_{{}};
   std::optional<Grab> grab_;
 

@@ -1,6 +1,7 @@
 // What a person does in a run: motors, pulling bodies, and doing the same once more.
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -66,9 +67,21 @@ void Engine::give_hands() {
 
 void Engine::forget_inputs() {
   grab_.reset();
+  if (cli::Inputs all = all_inputs(); !all.list.empty()) {
+    before_ = std::move(all);
+    before_scene_ = inputs_scene_;
+  }
   repeated_ = cli::InputPlayer({});
-  if (!inputs_.list.empty()) before_ = std::move(inputs_);
   inputs_ = {};
+}
+
+/// Those of the present run, and what it would still be given where it repeats another one: a repetition
+/// that is stopped early is not all that the person did.
+cli::Inputs Engine::all_inputs() const {
+  cli::Inputs out = inputs_;
+  const std::vector<cli::Input> rest = repeated_.rest();
+  out.list.insert(out.list.end(), rest.begin(), rest.end());
+  return out;
 }
 
 /// The run is not made from its scene and the inputs alone any more.
@@ -94,6 +107,10 @@ Answer Engine::grab(ClientId client, GrabRequest request) {
   if (auto good = may_run(); !good) return tl::unexpected(good.error());
   if (ghost_)
     return fail("bodies are not pulled while two runs are compared", "", "end the comparison first");
+  const Backend& backend = simulation_->backend();
+  if (backend.capabilities().get("body.force").support == Support::unsupported)
+    return fail(std::string(backend.name()) + " has no forces on bodies", "",
+                "pull on another engine");
   if (grab_ && grab_->client != client) return fail("somebody else pulls '" + grab_->request.body + "'");
   const SceneModel& model = *simulation_->model();
   const auto found = index_of(model.bodies, request.body);
@@ -155,14 +172,35 @@ void Engine::pull() {
 }
 
 Answer Engine::repeat() {
-  if (!scene_) return fail("there is no scene yet that can be run");
-  if (!inputs_.list.empty() && !inputs_.lost.empty())
-    return fail("the run cannot be made again: " + inputs_.lost, "", "stop, and begin another one");
-  const cli::Inputs then = inputs_.list.empty() ? before_ : inputs_;
+  if (!scene_ || !simulation_) return fail("there is no scene yet that can be run");
+  cli::Inputs then = all_inputs();
+  SceneModelPtr of = inputs_scene_;
+  if (then.list.empty()) {
+    then = before_;
+    of = before_scene_;
+  }
   if (then.list.empty())
     return fail("nothing was done in this run by hand", "", "move a motor, or pull a body");
-  dt_ = then.dt == scene_->model->physics.step ? std::nullopt : std::optional<double>(then.dt);
-  if (auto back = stop(false); !back) return back;
+  const std::string no = "the run cannot be made again: ";
+  if (!then.lost.empty()) return fail(no + then.lost, "", "stop, and begin another one");
+  if (of != scene_->model)
+    return fail(no + "the scene was changed since", "", "stop, and begin another one");
+  if (const std::string now = simulation_->backend().name(); then.backend != now)
+    return fail(no + "it was on " + then.backend + ", and the engine is " + now, "",
+                "choose " + then.backend + " first");
+  const bool sets_step = std::any_of(
+      then.list.begin(), then.list.end(),
+      [](const cli::Input& input) { return std::holds_alternative<SetStep>(input.command); });
+  if (ghost_ && ghost_->request.step && sets_step)
+    return fail("the two runs that are compared have steps of their own", "",
+                "end the comparison first");
+  settle();
+  const std::optional<double> dt =
+      then.dt == scene_->model->physics.step ? std::nullopt : std::optional<double>(then.dt);
+  const auto request = ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
+  if (auto done = begin_again(*scene_, backend_, dt, request); !done)
+    return tl::unexpected(to_error(done.error()));
+  dt_ = dt;
   repeated_ = cli::InputPlayer(then.list);
   if (auto going = play(); !going) return going;
   return Json{{"inputs", then.list.size()}};

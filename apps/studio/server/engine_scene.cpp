@@ -135,6 +135,7 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
   forget_inputs();
   inputs_.backend = simulation_->backend().name();
   inputs_.dt = simulation_->dt();
+  inputs_scene_ = scene.model;
   state_ = State::stopped;
   ending_.clear();
   end_reason_.clear();
@@ -168,6 +169,9 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   if (same_scene && !new_plugins) {
     // Comments or source positions: nothing that the run depends on, so it is not restarted.
     origins_ = std::make_shared<const Origins>(scene.origins);
+    // Runs of the one are runs of the other.
+    for (SceneModelPtr* of : {&inputs_scene_, &before_scene_})
+      if (*of == scene_->model) *of = scene.model;
     scene_ = scene;
     numbered_model_.reset();
     same_lineage_ = true;

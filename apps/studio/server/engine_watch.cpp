@@ -110,7 +110,12 @@ Answer Engine::end_controller() {
 void Engine::on_frame(const FramePtr& frame) {
   // The frame at the start is shown once more with the first step.
   const bool again = latest_ && latest_->step == frame->step;
-  if (latest_ && frame->step < latest_->step) forget_past();  // a supervisor has restarted the run
+  if (latest_ && frame->step < latest_->step) {
+    // Inputs are known by their steps, which come once more.
+    if (inputs_.lost.empty())
+      inputs_.lost = fmt::format("the run was restarted at {:.6g} s", latest_->time);
+    forget_past();
+  }
   latest_ = frame;
   if (again) return;
   for (const Event& event : frame->events) {

@@ -5,6 +5,8 @@
 
 #include <cstring>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "common/options.h"
 #include "test/test_command.h"
@@ -65,17 +67,37 @@ TestRun::~TestRun() {
   if (thread_.joinable()) thread_.join();
 }
 
-void TestRun::start(TestRequest request, Reply reply) {
+void TestRun::left(ClientId client) {
+  const std::lock_guard lock(mutex_);
+  if (running_ && client_ == client) cancel();
+}
+
+void TestRun::start(TestRequest request, ClientId client, Reply reply) {
   const std::lock_guard lock(mutex_);
   if (running_.exchange(true))
     return reply(fail("a test runs already", "", "wait for its end, or end it", "busy"));
   if (thread_.joinable()) thread_.join();
   cancelled_ = false;
-  thread_ = std::thread([this, request = std::move(request), reply = std::move(reply)] {
-    Answer answer = run(request);
+  client_ = client;
+  try {
+    thread_ = std::thread([this, request = std::move(request), reply] {
+      Answer answer = safely(request);
+      running_ = false;
+      reply(std::move(answer));
+    });
+  } catch (const std::system_error& e) {
     running_ = false;
-    reply(std::move(answer));
-  });
+    reply(fail("the test cannot be started: " + message_of(e)));
+  }
+}
+
+/// What is thrown ends the test, and not the studio.
+Answer TestRun::safely(const TestRequest& request) {
+  try {
+    return run(request);
+  } catch (const std::exception& e) {
+    return fail("the test has failed to run: " + message_of(e));
+  }
 }
 
 Answer TestRun::run(const TestRequest& request) {
@@ -114,20 +136,23 @@ Answer TestRun::run(const TestRequest& request) {
       text.replace(at, file.size(), request.file);
     return text;
   };
+  // It comes from another process, which may have ended before it was complete.
   const cli::Json& result = cases[0].result;
+  if (!result.is_object()) return fail("the test has no result");
   Json verdicts = Json::array(), errors = Json::array();
-  for (const cli::Json& verdict : result["verdicts"]) {
-    const cli::Json& time = verdict["time"];
-    verdicts.push_back({{"expectation", verdict["expectation"].get<std::string>()},
-                        {"passed", verdict["passed"].get<bool>()},
-                        {"message", named(verdict["message"].get<std::string>())},
+  for (const cli::Json& verdict : result.value("verdicts", cli::Json::array())) {
+    const cli::Json time = verdict.value("time", cli::Json());
+    verdicts.push_back({{"expectation", verdict.value("expectation", std::string())},
+                        {"passed", verdict.value("passed", false)},
+                        {"message", named(verdict.value("message", std::string()))},
                         {"time", time.is_number() ? Json(time.get<double>()) : Json()},
-                        {"line", verdict["line"].get<int>()},
-                        {"column", verdict["column"].get<int>()}});
+                        {"line", verdict.value("line", 0)},
+                        {"column", verdict.value("column", 0)}});
   }
-  for (const cli::Json& error : result["errors"]) errors.push_back(named(error.get<std::string>()));
-  return Json{{"status", result["status"].get<std::string>()},
-              {"message", named(result["message"].get<std::string>())},
+  for (const cli::Json& error : result.value("errors", cli::Json::array()))
+    errors.push_back(named(error.get<std::string>()));
+  return Json{{"status", result.value("status", std::string("error"))},
+              {"message", named(result.value("message", std::string()))},
               {"verdicts", std::move(verdicts)},
               {"errors", std::move(errors)}};
 }

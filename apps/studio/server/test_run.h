@@ -30,14 +30,18 @@ class TestRun {
  public:
   ~TestRun();
   /// One at a time. The reply is called when it is over, from a thread of its own.
-  void start(TestRequest request, Reply reply);
+  void start(TestRequest request, ClientId client, Reply reply);
+  /// Ends the test that this client has started: nobody waits for it any more.
+  void left(ClientId client);
   /// Ends the test that runs, whose reply says so.
   void cancel() noexcept { cancelled_ = true; }
 
  private:
   Answer run(const TestRequest& request);
+  Answer safely(const TestRequest& request);
 
   std::mutex mutex_;
+  ClientId client_ = 0;  ///< that started it
   std::thread thread_;
   std::atomic<bool> running_{false}, cancelled_{false};
 };

@@ -147,7 +147,7 @@ const set = await until("set parameters", () => watcher.parameters.find((p) => p
 check(parameter(set, "paused") === true && parameter(set, "step") === 0.001, "paused, with its step");
 await watcher.told(/'step' cannot be set while the scene runs/);
 await watcher.told(/there is no parameter 'nonsense'/);
-await watcher.told(/'speed' has to be a number greater than 0/);
+await watcher.told(/'speed' has to be a number from 0.001 to 1e6/);
 await until("an update", () => second.parameters.some((p) => parameter(p, "paused") === true));
 
 // ---- services, in a paused run

@@ -35,17 +35,21 @@ export class HandStore {
     const { state } = studio;
     let scene = -1;
     let before = 0;
+    let given = 0;
     this.stops = [
       effect(() => {
         // what runs is seen as it is
         if (!this.atStart.value) preview.value = null;
       }),
       effect(() => {
-        // back at the start motors have the scene's own targets again
+        // back at the start motors have the scene's own targets again; a run that was stopped and begun
+        // between two statuses may have as many steps, but not as many inputs
         const steps = state.status.value?.step_count ?? 0;
-        if (steps < before) this.targets.value = new Map();
+        const inputs = state.status.value?.inputs ?? 0;
+        if (steps < before || inputs < given) this.targets.value = new Map();
         before = steps;
-        if ((state.status.value?.inputs ?? 0) > 0) this.any.value = true;
+        given = inputs;
+        if (inputs > 0) this.any.value = true;
       }),
       effect(() => {
         const now = state.scene.value?.scene ?? -1;

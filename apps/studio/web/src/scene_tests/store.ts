@@ -32,8 +32,11 @@ export class TestStore {
   readonly chosen = signal<string[]>([]);
   readonly runs = signal<Run[]>([]);
   readonly busy = signal(false);
+  /** A test runs that was not started here. */
+  readonly others = signal(false);
   private cancelled = false;
-  private loading = false;
+  private loading: Promise<void> | null = null;
+  private again = false;
   private readonly stops: (() => void)[];
 
   readonly mayRun = computed(() => this.studio.state.mayEdit.value && !this.busy.value);
@@ -68,17 +71,24 @@ export class TestStore {
     for (const stop of this.stops) stop();
   }
 
-  private async load(): Promise<void> {
-    if (this.loading) return;
-    this.loading = true;
+  /** Done when the tests of the text are there that was the newest at this call. */
+  private load(): Promise<void> {
+    // what is on its way may be of an older text: it is asked for once more then
+    this.again = true;
+    this.loading ??= this.ask().finally(() => {
+      this.loading = null;
+      return this.again ? this.load() : undefined;
+    });
+    return this.loading;
+  }
+  private async ask(): Promise<void> {
+    this.again = false;
     try {
       const { version, tests } = await this.studio.link.request("tests");
       this.version = version;
       if (JSON.stringify(tests) !== JSON.stringify(this.tests.peek())) this.tests.value = tests;
     } catch {
       // asked again with the next text
-    } finally {
-      this.loading = false;
     }
   }
 
@@ -104,6 +114,7 @@ export class TestStore {
   async start(only: number | null): Promise<void> {
     if (this.busy.peek()) return;
     this.busy.value = true;
+    this.others.value = false;
     this.cancelled = false;
     await this.load();
     if (only === null || this.testedVersion.peek() !== this.version) this.runs.value = [];
@@ -122,8 +133,9 @@ export class TestStore {
         this.set({ ...one, state: "done", result, error: "" });
       } catch (error) {
         this.set({ ...one, state: "done", result: null, error: isClosed(error) ? "no connection" : messageOf(error) });
-        const stale = error instanceof RequestError && error.failure.code === "stale";
-        if (isClosed(error) || stale) this.cancelled = true;
+        const code = error instanceof RequestError ? error.failure.code : "";
+        if (code === "busy") this.others.value = true;
+        if (isClosed(error) || code === "stale" || code === "busy") this.cancelled = true;
       }
     }
     // what was not begun has no result
@@ -132,6 +144,7 @@ export class TestStore {
   }
   cancel(): void {
     this.cancelled = true;
+    this.others.value = false;
     this.studio.link.request("test-cancel").catch(() => {});
   }
 
@@ -151,8 +164,8 @@ export class TestStore {
         const begun = status.backend === backend && status.state !== "ended" ? status.time : 0;
         for (let left = Math.round((time - begun) / status.dt); left > 0; left -= kMostSteps)
           await link.request("step", { count: Math.min(left, kMostSteps) });
-      }
-      this.studio.seek(time);
+        // live, it shows that time as soon as it is there
+      } else this.studio.seek(time);
     } catch (error) {
       if (!isClosed(error)) this.studio.notify(messageOf(error), "error");
     }

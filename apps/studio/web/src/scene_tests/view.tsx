@@ -120,11 +120,12 @@ export function TestsView({ store }: { store: TestStore }): JSX.Element {
   return (
     <>
       <div class="cg-tools" role="toolbar" aria-label="Tests">
-        {store.busy.value ? (
+        {(store.busy.value || store.others.value) && (
           <button type="button" data-testid="tests-end" onClick={() => store.cancel()}>
             End
           </button>
-        ) : (
+        )}
+        {!store.busy.value && (
           <button
             type="button"
             class="cg-primary"
