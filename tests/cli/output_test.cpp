@@ -327,7 +327,8 @@ TEST_CASE("every option that names a file is in the next test", "[cli][output]")
                                           "urdf|sdf|mjcf",
                                           "SEEDS",
                                           "none|position|torque|velocity",
-                                          "auto|always|never"};
+                                          "auto|always|never",
+                                          "KEY"};
   // --copy-meshes takes the name of a folder beside the scene: tests/import.
   const std::set<std::string> inputs = {"--plugin-path", "--from", "--include", "--srdf",
                                         "--copy-meshes", "--merge",

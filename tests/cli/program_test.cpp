@@ -526,7 +526,7 @@ TEST_CASE("check distinguishes good from bad scenes, in three formats", "[cli][p
   CHECK(json_of(as_sarif)["version"] == "2.1.0");
 }
 
-TEST_CASE("--json, --quiet and --color mean the same in every command", "[cli][program]") {
+TEST_CASE("json, quiet and color mean the same in every command", "[cli][program]") {
   const cogrsim::test::TemporaryFolder folder;
   const std::string run = folder / "run.mcap";
   REQUIRE(with_toys({"run", kFlight, "-b", "toy", "-d", "0.1", "--record", run}).status == 0);

@@ -104,7 +104,7 @@ TEST_CASE("wrong arguments and files are reported") {
   CHECK(cogrsim_run({"replay", "--help"}).out.find("Examples:") != std::string::npos);
 }
 
-TEST_CASE("--live takes an address of this machine, and nothing else") {
+TEST_CASE("a live run takes an address of this machine, and nothing else") {
   for (const char* wrong : {"example.org", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "0",
                             "[::1", "[::1]8765", "127.0.0.1:http", "another.scene.xml"}) {
     const Outcome run = cogrsim_run({"run", kScene, "--live", wrong});

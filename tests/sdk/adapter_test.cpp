@@ -33,6 +33,12 @@ struct Rascals : test::TemporaryFolder {
     fs::copy_file(fs::path(COGRSIM_ADAPTER_LIBRARIES) / "cogrsim_backend.py",
                   *this / "rascal/cogrsim_backend.py");
   }
+  /// On a busy machine Python may take longer to start than what is hung is waited for.
+  void be_patient() const {
+    std::string manifest = kManifest;
+    manifest.replace(manifest.find("2,"), 1, "60");
+    write("rascal/backend.json", manifest);
+  }
   void behave() const { write("rascal/fault", "none none"); }
   Result<std::shared_ptr<const Backend>> backend() const {
     return PluginLoader({path.string()}).backend("rascal");
@@ -228,6 +234,7 @@ TEST_CASE("an adapter that is killed at any moment is named", "[adapter]") {
   for (int seed = 0; seed < 100; ++seed) {
     CAPTURE(seed);
     const Rascals rascals("soon " + std::to_string(seed));
+    rascals.be_patient();
     const auto backend = rascals.backend();
     const auto world = backend ? (*backend)->create_world(two_bodies())
                                : Result<std::unique_ptr<World>>(tl::unexpected(backend.error()));
