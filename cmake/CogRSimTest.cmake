@@ -23,7 +23,7 @@ function(cogrsim_add_scene_test name scene)
     endif()
   endif()
   # CTest runs cases side by side itself.
-  set(arguments test "${path}" --jobs 1 --out "${CMAKE_CURRENT_BINARY_DIR}/${name}.failed")
+  set(arguments test "${path}" --jobs 1 --output "${CMAKE_CURRENT_BINARY_DIR}/${name}.failed")
   foreach(backend ${arg_BACKENDS})
     list(APPEND arguments --backends ${backend})
   endforeach()

@@ -152,7 +152,7 @@ const std::vector<Case>& cases() {
       {"-o,--output", "/", {"replay", "RUN", "--render", "top", "--at", "0.05", "-o", "OUT"}},
       {"-o,--output", "/", {"sweep", "SCENE", "--seeds", "1", "--backends", "toy", "-o", "OUT"}},
       {"--junit", ".xml", {"test", "SCENE", "--backends", "toy", "--junit", "OUT"}},
-      {"-o,--output", "/", {"test", "SCENE", "--backends", "toy", "-o", "OUT"}},
+      {"-o,--output,--out", "/", {"test", "SCENE", "--backends", "toy", "-o", "OUT"}},
       {"-o,--output", ".svg", {"map", "RUN", "-o", "OUT"}},
       {"-o,--output", ".gif", {"map", "RUN", "--every", "0.05", "-o", "OUT"}},
       {"-o,--output", ".png", {"render", "RUN", "-o", "OUT"}},

@@ -118,6 +118,7 @@ TEST_CASE("what was done by hand comes again to the last bit", "[studio][run][ha
     // so slowly that it is paused before it is over, on any machine
     page.get("speed", {{"factor", 0.01}});
     CHECK(page.get("repeat").at("inputs") == 242);
+    page.status("playing");
     page.get("pause");
     const int done = page.status("paused").at("step_count");
     REQUIRE(done < 400);
@@ -167,7 +168,7 @@ TEST_CASE("pulling and motors are refused where they mean nothing", "[studio][ru
   CHECK_THAT(page.error("grab", with("body", "nobody")), Catch::Contains("no body 'nobody'"));
   CHECK_THAT(page.error("grab", with("body", "plate")), Catch::Contains("static"));
   CHECK_THAT(page.error("grab", with("point", {0, 0})), Catch::Contains("'point'"));
-  CHECK_THAT(page.error("grab", with("target", {0, 0, 1e30})), Catch::Contains("'target'"));
+  CHECK_THAT(page.error("grab", with("target", {0, 0, 1e30})), Catch::Contains("'target[2]'"));
   CHECK_THAT(page.error("grab", with("stiffness", 0.0)), Catch::Contains("'stiffness'"));
   CHECK_THAT(page.error("motor", {{"motor", "mill.drve"}, {"target", 1}}), Catch::Contains("no motor"));
   CHECK_THAT(page.error("grab-move", {{"target", {0, 0, 0}}}), Catch::Contains("nothing is pulled"));
@@ -217,9 +218,11 @@ TEST_CASE("a run of another scene or engine is not made again", "[studio][run][h
     CHECK_THAT(page.error("repeat"), Catch::Contains("scene was changed"));
   }
   SECTION("engine") {
-    page.get("backend", {{"name", "cogrsim"}});
-    CHECK_THAT(page.error("repeat"), Catch::Contains("the engine is cogrsim"));
-    page.get("backend", {{"name", "bullet"}});
+    const std::string before = page.status().at("backend");
+    const std::string other = before == "bullet" ? "cogrsim" : "bullet";
+    page.get("backend", {{"name", other}});
+    CHECK_THAT(page.error("repeat"), Catch::Contains("the engine is " + other));
+    page.get("backend", {{"name", before}});
     CHECK(page.get("repeat").at("inputs") == 1);
   }
 }

@@ -283,7 +283,7 @@ void add_test(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"text", "json"}))
       ->type_name("text|json");
   command
-      .add_option("-o,--output", arguments->output,
+      .add_option("-o,--output,--out", arguments->output,
                   "Folder for recordings of failed cases; default: none are kept")
       ->type_name("DIR");
   command

@@ -107,12 +107,15 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
         coarse = share >= 1 ? 1 : share > 0.75 ? 0.75 : kCoarsest;
       } else if (coarse < 1) {
         canvas.dataset.coarse = "";
-        rest = setTimeout(() => {
-          if (renderer.getContext().isContextLost()) return;
-          resize(1);
-          paint();
-          delete canvas.dataset.coarse;
-        }, Math.max(kMoving, whole));
+        rest = setTimeout(
+          () => {
+            if (renderer.getContext().isContextLost()) return;
+            resize(1);
+            paint();
+            delete canvas.dataset.coarse;
+          },
+          Math.max(kMoving, whole),
+        );
       }
     },
     dispose() {
