@@ -1,5 +1,5 @@
 // One attribute as a form field, of the kind in the schema.
-import { useId, useLayoutEffect, useState } from "preact/hooks";
+import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { JSX } from "preact";
 import { boxesOf, inUnitOf, isLength, textFrom, withUnit } from "./number_model";
 import type { AttributeSchema } from "./schema";
@@ -84,15 +84,30 @@ function PlainField(props: PlainProps): JSX.Element {
 function NumberField(props: PlainProps): JSX.Element {
   const { spec, text, mixed } = props;
   const shown = boxesOf(spec, text, props.length);
-  const [drafts, setDrafts] = useState<string[] | null>(null);
+  // By box; undefined: as the scene has it.
+  const [drafts, drawDrafts] = useState<(string | undefined)[] | null>(null);
+  // What is typed faster than the form is drawn is not in `drafts` yet.
+  const typed = useRef<(string | undefined)[] | null>(null);
+  const sent = useRef(false); // what is typed has been committed
+  const span = useRef<HTMLSpanElement>(null);
+  const setDrafts = (next: (string | undefined)[] | null) => {
+    typed.current = next;
+    sent.current = false;
+    drawDrafts(next);
+  };
   const [unit, setUnit] = useState<string | null>(null);
-  useLayoutEffect(() => setDrafts(null), [text]);
+  // Another edit may change the text while a person types here, as the size moves what stands on the floor.
+  useLayoutEffect(() => {
+    if (sent.current || !span.current?.contains(span.current.ownerDocument.activeElement)) setDrafts(null);
+  }, [text]);
   useLayoutEffect(() => setUnit(null), [props.length]);
   if (!shown) return <PlainField {...props} />;
   const nowUnit = shown.unit === null ? null : (unit ?? shown.unit);
-  const boxes = drafts ?? shown.boxes;
+  const boxes = shown.boxes.map((box, i) => drafts?.[i] ?? box);
   const commit = () => {
-    if (!drafts) return;
+    if (!typed.current || sent.current) return;
+    const drafts = shown.boxes.map((box, i) => typed.current?.[i] ?? box);
+    sent.current = true;
     if (mixed && props.commitEntries) {
       if (drafts.some((d) => d.trim() !== ""))
         void props.commitEntries(drafts, nowUnit).then((e) => {
@@ -103,6 +118,7 @@ function NumberField(props: PlainProps): JSX.Element {
     }
     const made = textFrom(spec, drafts, nowUnit);
     if ("error" in made) {
+      sent.current = false;
       props.report(shown.boxes.length > 1 ? `entry ${made.box + 1}: ${made.error}` : made.error);
       return;
     }
@@ -121,7 +137,7 @@ function NumberField(props: PlainProps): JSX.Element {
         ? ["least", "largest"]
         : [];
   return (
-    <span class="cg-prop-numbers">
+    <span class="cg-prop-numbers" ref={span}>
       {boxes.map((box, i) => (
         <input
           key={i}
@@ -138,7 +154,7 @@ function NumberField(props: PlainProps): JSX.Element {
           aria-invalid={props.problem ? true : undefined}
           aria-required={spec.required}
           onInput={(event) => {
-            const next = boxes.slice();
+            const next = typed.current?.slice() ?? [];
             next[i] = event.currentTarget.value;
             setDrafts(next);
           }}
