@@ -115,14 +115,14 @@ def test(scenes, backends=(), *, seeds=(), filter=None, timeout=None, set=None, 
         if len(scenes) > 1:
             raise ValueError("scenes: expected files, or one Scene, where seeds were given to compile()")
         seeds = [seed_of(scenes[0])]
-    arguments = ["test", *list_argument("backends", backends), *seeds_argument(seeds),
+    arguments = ["test", "--json", "-", *list_argument("backends", backends), *seeds_argument(seeds),
                  *time_argument("timeout", timeout), *list_argument("without", without)]
     if filter is not None:
         arguments += ["--filter", text("filter", filter)]
     for scene in scenes:
         arguments += scene_arguments(scene, set if scene is scenes[-1] else None,
                                      plugin_path if scene is scenes[-1] else ())
-    done = run([*arguments, "--json"])
+    done = run(arguments)
     try:
         return json.loads(done.stdout)["cases"]
     except (ValueError, KeyError):

@@ -549,61 +549,61 @@ among others. Several threads may call act() of one policy at once, with memorie
 Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the network cannot be read.)")
       .def(py::init(&load), py::arg("path"), py::kw_only(),
            py::arg("change") = std::map<std::string, std::string>())
-      .def("check", &compared, py::arg("scene") = py::none(),
+      .def("check", held(&compared), py::arg("scene") = py::none(),
            "Compare the card with its robot, or with a Scene or scene file; list of Diagnostic, "
            "empty: it fits.")
       .def_property_readonly(
-          "scene", &robot_scene,
+          "scene", held(&robot_scene),
           "The card's robot as a Scene; a URDF or MJCF is imported. Raises CompileError")
       .def_property_readonly(
-          "path", [](const PyPolicy& s) { return s.path; }, "Of the file")
+          "path", [](const PolicyPtr& s) { return s->path; }, "Of the file")
       .def_property_readonly(
-          "joints", [](const PyPolicy& s) { return card_of(s, "joints").joints; },
+          "joints", [](const PolicyPtr& s) { return card_of(*s, "joints").joints; },
           "Names in the order of the actions")
       .def_property_readonly(
-          "terms", &terms,
+          "terms", held(&terms),
           "list of (name, first, behind): the observations' terms and their columns; [] of a "
           "network alone")
       .def_property_readonly(
-          "observation_size", [](const PyPolicy& s) { return s.input().size; },
+          "observation_size", [](const PolicyPtr& s) { return s->input().size; },
           "Numbers that the network reads")
       .def_property_readonly(
-          "action_size", [](const PyPolicy& s) { return s.output().size; },
+          "action_size", [](const PolicyPtr& s) { return s->output().size; },
           "Numbers that it writes")
       .def_property_readonly(
           "measured_size",
-          [](const PyPolicy& s) { return kBase + 2 * card_of(s, "measured_size").joints.size(); },
+          [](const PolicyPtr& s) { return kBase + 2 * card_of(*s, "measured_size").joints.size(); },
           "Numbers of a row of measure() and signals()")
       .def_property_readonly(
-          "period", [](const PyPolicy& s) { return card_of(s, "period").period; },
+          "period", [](const PolicyPtr& s) { return card_of(*s, "period").period; },
           "Time between decisions [s]")
       .def_property_readonly(
-          "command", [](const PyPolicy& s) { return card_of(s, "command").command; }, "Of the card")
+          "command", [](const PolicyPtr& s) { return card_of(*s, "command").command; }, "Of the card")
       .def_property_readonly(
           "inputs",
-          [](const PyPolicy& s) {
+          [](const PolicyPtr& s) {
             std::map<std::string, std::vector<std::int64_t>> out;
-            for (const NetworkPort& port : s.network->inputs()) out[port.name] = port.shape;
+            for (const NetworkPort& port : s->network->inputs()) out[port.name] = port.shape;
             return out;
           },
           "Shapes of the network's inputs by name, for one world")
       .def_property_readonly(
           "outputs",
-          [](const PyPolicy& s) {
+          [](const PolicyPtr& s) {
             std::map<std::string, std::vector<std::int64_t>> out;
-            for (const NetworkPort& port : s.network->outputs()) out[port.name] = port.shape;
+            for (const NetworkPort& port : s->network->outputs()) out[port.name] = port.shape;
             return out;
           },
           "Shapes of its outputs by name")
       .def_property_readonly(
           "metadata",
-          [](const PyPolicy& s) {
+          [](const PolicyPtr& s) {
             py::dict out;
-            for (const auto& [key, value] : s.network->metadata()) out[shown(key)] = shown(value);
+            for (const auto& [key, value] : s->network->metadata()) out[shown(key)] = shown(value);
             return out;
           },
           "Texts that the exporter wrote into the network, by key")
-      .def("signals", &signals, py::arg("scene") = py::none(),
+      .def("signals", held(&signals), py::arg("scene") = py::none(),
            "Signals that observe() needs, for the observations of a VectorEnv: position [m], roll, "
            "pitch, yaw "
            "[rad],\nvelocity [m/s] and angular velocity [rad/s] of the base in world axes, then "
@@ -611,9 +611,9 @@ Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the 
            "velocities of the joints.\nscene: a Scene or scene file with the robot; None: that of "
            "the card.")
       .def(
-          "motors", &motors, py::arg("scene") = py::none(),
+          "motors", held(&motors), py::arg("scene") = py::none(),
           "Dotted names of the motors in the order of the actions, for the actions of a VectorEnv.")
-      .def("measure", &measure, py::arg("frame"),
+      .def("measure", held(&measure), py::arg("frame"),
            "The values of signals() in a frame: (12 + 2 joints,) float64. Raises CompileError: the "
            "scene lacks "
            "the robot.")
@@ -624,33 +624,33 @@ Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the 
            "seeds: one per world, of the card's noise; by default 0, 1, 2, … Raises Error: a delay "
            "of the card is no\n"
            "whole number of decisions.")
-      .def("observe", &observe, py::arg("measured"), py::arg("memory"),
+      .def("observe", held(&observe), py::arg("measured"), py::arg("memory"),
            py::arg("command") = py::none(),
            "The network's input: (observation_size,) or (worlds, observation_size) float32. Once "
            "per decision.\n\n"
            "measured: (12 + 2 joints,) or (worlds, 12 + 2 joints), as signals() has them. command: "
            "(n,), or (worlds, "
            "n);\nNone: the card's. Raises ValueError: shapes; Error: a network alone.")
-      .def("act", &act, py::arg("observations"), py::arg("memory") = py::none(),
+      .def("act", held(&act), py::arg("observations"), py::arg("memory") = py::none(),
            "Evaluate the network: (action_size,) or (worlds, action_size) float32.\n\n"
            "observations: (observation_size,) or (worlds, observation_size). memory: gets the "
            "recurrent state and "
            "the last\naction; needed where the network has a state. Raises ValueError: shapes; "
            "Error: the network "
            "fails.")
-      .def("targets", &targets, py::arg("actions"),
+      .def("targets", held(&targets), py::arg("actions"),
            "offset + scale * action within its clip, for the motors: float64 of the same shape "
            "[rad, rad/s, N m "
            "or\nof sliders m, m/s, N].")
-      .def("efforts", &efforts, py::arg("targets"), py::arg("measured"),
+      .def("efforts", held(&efforts), py::arg("targets"), py::arg("measured"),
            "The drive law of a card with gains, kp (target - q) - kd q' within its effort limit [N "
            "m or N], for "
            "motors in\nmode torque; to be called in every step. Shapes as targets. Raises Error: "
            "the card has no "
            "gains.")
-      .def("__repr__", [](const PyPolicy& s) {
-        return fmt::format("<Policy {}: {} observations, {} actions>", s.path, s.input().size,
-                           s.output().size);
+      .def("__repr__", [](const PolicyPtr& s) {
+        return fmt::format("<Policy {}: {} observations, {} actions>", s->path, s->input().size,
+                           s->output().size);
       });
 }
 

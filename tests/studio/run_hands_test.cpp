@@ -1,13 +1,8 @@
 // What a person does in a run: motors, pulling bodies; and the same run made again from what was recorded.
 #include <catch2/catch.hpp>
 
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
 #include "../support/engines.h"
+#include "../support/temporary_folder.h"
 #include "cogrsim/simulation/simulation.h"
 #include "run/inputs.h"
 #include "run_support.h"
@@ -30,20 +25,6 @@ const char* const kScene = R"(<scene name="bench" version="1">
   </assembly>
 </scene>
 )";
-
-class Folder {
- public:
-  Folder() {
-    std::string wanted = (std::filesystem::temp_directory_path() / "hands-XXXXXX").string();
-    REQUIRE(::mkdtemp(wanted.data()) != nullptr);
-    path = wanted;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  std::string path;
-};
 
 /// Pulls the crate, turns the wheel: 400 steps.
 void play_about(Page& page) {
@@ -85,10 +66,10 @@ std::string hash_with(const std::string& backend, std::vector<cli::Input> inputs
 TEST_CASE("what was done by hand comes again to the last bit", "[studio][run][hands]") {
   const std::string backend = GENERATE(cogrsim::test::engines());
   CAPTURE(backend);
-  const Folder folder;
+  const cogrsim::test::TemporaryFolder folder;
   RunOptions options;
   options.backend = backend;
-  options.folder = folder.path;
+  options.folder = folder.path.string();
   Page page(options);
   page.join(1);
   page.show(kScene);
@@ -100,7 +81,7 @@ TEST_CASE("what was done by hand comes again to the last bit", "[studio][run][ha
   CHECK(page.status().at("inputs") == 242);
 
   SECTION("from the recording") {
-    const auto inputs = cli::read_inputs(folder.path + "/seen.mcap");
+    const auto inputs = cli::read_inputs(folder / "seen.mcap");
     REQUIRE(inputs);
     CHECK(inputs->backend == backend);
     CHECK(inputs->dt == 0.001);

@@ -72,8 +72,9 @@ void LiveSession::tell_changes() {
   told_ = parameters_;
   for (const auto& [client, about] : clients_) {
     std::vector<std::string> wanted;
+    const auto& watched = about.parameters;
     std::copy_if(changed.begin(), changed.end(), std::back_inserter(wanted),
-                 [&](const std::string& name) { return about.parameters.count(name) > 0; });
+                 [&](const std::string& name) { return watched.count(name) > 0; });
     if (!wanted.empty()) send_parameters(client, wanted, Json());
   }
 }

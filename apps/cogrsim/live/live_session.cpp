@@ -297,7 +297,7 @@ void LiveSession::unadvertised(ClientId client, const Json& message) {
   }
 }
 
-bool LiveSession::received_bytes(ClientId client, std::string bytes) {
+bool LiveSession::received_bytes(ClientId client, const std::string& bytes) {
   const std::lock_guard lock(mutex_);
   if (clients_.count(client) == 0) return true;
   std::string_view rest(bytes);

@@ -42,7 +42,7 @@ class LiveSession final : public net::Inbox, public RunStream::Sink {
   void joined(net::ClientId client, net::Role role) override;
   void left(net::ClientId client) override;
   void received(net::ClientId client, std::string text) override;
-  bool received_bytes(net::ClientId client, std::string bytes) override;
+  bool received_bytes(net::ClientId client, const std::string& bytes) override;
 
   // By the encoding thread.
   std::uint16_t add_schema(std::string name, std::string encoding, std::string data) override;

@@ -107,7 +107,7 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
     if (role_ == Role::viewer) --server_.viewers;
   }
 
-  void open(http::request<http::empty_body> request, const std::string& subprotocol) {
+  void open(const http::request<http::empty_body>& request, const std::string& subprotocol) {
     const auto& limits = server_.options.limits;
     beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has clocks of its own
     websocket::stream_base::timeout timeout{};
@@ -199,7 +199,7 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
     buffer_.clear();
     if (buffer_.capacity() > (64u << 10)) buffer_.shrink_to_fit();
     if (!socket_.got_text()) {
-      if (!server_.inbox->received_bytes(id_, std::move(text)))
+      if (!server_.inbox->received_bytes(id_, text))
         close(websocket::close_code::unknown_data, "messages of a page are texts");
     } else if (server_.options.acknowledgements && (text == "a" || text == "p")) {
       text == "a" ? box_->frame_taken() : box_->picture_taken();

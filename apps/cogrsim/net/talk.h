@@ -41,7 +41,7 @@ class Inbox {
   /// A text message that is not an acknowledgement; at most as long as the network's limit.
   virtual void received(ClientId client, std::string text) = 0;
   /// A binary message; false: none is understood, and the client is cut off.
-  virtual bool received_bytes(ClientId, std::string) { return false; }
+  virtual bool received_bytes(ClientId, const std::string&) { return false; }
 };
 
 }  // namespace cogrsim::net
