@@ -2,7 +2,7 @@
 import { execFileSync } from "node:child_process";
 import { dirname, join } from "node:path";
 import { expect, keep, program, test } from "./harness";
-import { ask, fresh, layout, look, red, still, until } from "./acts";
+import { ask, fresh, layout, look, red, row, still, text_of, until } from "./acts";
 
 const kScene = `<scene name="bench" version="1">
   <physics backend="bullet" step="2 ms" gravity="0 0 -9.81" duration="3600 s"/>
@@ -17,7 +17,6 @@ const kScene = `<scene name="bench" version="1">
 </scene>
 `;
 const its = fresh(kScene);
-
 
 test("a joint is dragged through its range before the run, and undo takes it back", async () => {
   const { page } = its;
@@ -157,4 +156,33 @@ test("what is done by hand is not for viewers", async ({ browser }) => {
   const grab = { body: "crate", point: [0, 0, 0], target: [0, 0, 1] };
   expect(await ask(page, "grab", grab)).toMatchObject({ ok: false, error: { code: "viewer" } });
   await page.context().close();
+});
+
+test("R resizes what is selected, and undo takes it back", async ({ studio, open }) => {
+  const text =
+    '<scene name="r" version="1"><plane name="floor"/><box name="crate" size="40 40 40 cm" mass="1 kg" xyz="0 0 0.2"/></scene>';
+  const page = await open(await studio(text));
+  await layout(page, "Edit");
+  await row(page, "crate box").click();
+  const view = page.getByTestId("view3d");
+  await view.hover();
+  await page.keyboard.press("r");
+  await still(view);
+  const box = (await view.boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  // along the axes as they are drawn from where a scene is looked at first, from the middle outwards
+  const ways = [0.5, 0.75, 1, 1.25].flatMap((far) => [[60 * far, 30 * far], [-60 * far, 30 * far], [0, -70 * far]]);
+  for (const [dx, dy] of ways) {
+    await page.mouse.move(x + dx!, y + dy!, { steps: 3 });
+    await still(view);
+    await page.mouse.down();
+    await page.mouse.move(x + 1.6 * dx!, y + 1.6 * dy!, { steps: 8 });
+    await page.mouse.up();
+    if ((await text_of(page)) !== text) break;
+    await row(page, "crate box").click();
+  }
+  // one edge, larger; the box stays where it is
+  expect(await text_of(page)).toMatch(/size="(?:[4-9]\d[.\d]* 40 40|40 [4-9]\d[.\d]* 40|40 40 [4-9]\d[.\d]*) cm" mass="1 kg" xyz="0 0 0.2"/);
+  await page.keyboard.press("Control+z");
+  expect(await text_of(page)).toBe(text);
 });
