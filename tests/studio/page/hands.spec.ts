@@ -184,5 +184,5 @@ test("R resizes what is selected, and undo takes it back", async ({ studio, open
   // one edge, larger; the box stays where it is
   expect(await text_of(page)).toMatch(/size="(?:[4-9]\d[.\d]* 40 40|40 [4-9]\d[.\d]* 40|40 40 [4-9]\d[.\d]*) cm" mass="1 kg" xyz="0 0 0.2"/);
   await page.keyboard.press("Control+z");
-  expect(await text_of(page)).toBe(text);
+  await expect.poll(() => text_of(page)).toBe(text);
 });

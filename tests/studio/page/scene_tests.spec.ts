@@ -77,5 +77,5 @@ test("a test is made of what is seen, passes, and undo takes it back", async () 
   await expect(page.getByTestId("test-3-bullet")).toHaveAttribute("data-status", "passed", { timeout: 100_000 });
   await page.getByTestId("view3d").click({ position: { x: 5, y: 5 } });
   await page.keyboard.press("Control+z");
-  expect(await text_of(page)).toBe(kScene);
+  await expect.poll(() => text_of(page)).toBe(kScene);
 });

@@ -105,7 +105,9 @@ export function glPainter(document: Document, lost: () => void, restored: () => 
         last += whole;
         const share = Math.sqrt(kFrame / Math.max(whole, 1));
         coarse = share >= 1 ? 1 : share > 0.75 ? 0.75 : kCoarsest;
-      } else if (coarse < 1) {
+      }
+      if (size.ratio === 1) delete canvas.dataset.coarse;
+      else {
         canvas.dataset.coarse = "";
         rest = setTimeout(
           () => {
