@@ -41,7 +41,13 @@ for backend in $engines; do
         grep -qE 'memory|cannot be loaded|failed to map|cannot allocate|cannot create' err ||
           wrong "$backend with $kilobytes kB: the message does not speak of memory"
         ;;
-      *) wrong "$backend with $kilobytes kB of $most: exit status $status" ;;
+      # Where even "--version" dies, constructors of shared libraries ran out of memory before the
+      # program began (measured: GnuTLS and others, in a window of 0.3 MB above what 127 needs).
+      *)
+        starts=0
+        (ulimit -v $kilobytes && exec "$program" --version) >/dev/null 2>&1 || starts=$?
+        [ "$starts" -gt 127 ] || wrong "$backend with $kilobytes kB of $most: exit status $status"
+        ;;
     esac
   done
 done
