@@ -18,9 +18,9 @@
 #include "debugger.h"
 #include "document.h"
 #include "kept_tokens.h"
+#include "net/http.h"
 #include "render/frames.h"
 #include "run.h"
-#include "live/live.h"
 #include "server.h"
 #include "start.h"
 #include "studio.h"
@@ -88,7 +88,7 @@ ServerOptions network_of(const StudioOptions& options) {
     network.preferred.push_back(static_cast<unsigned short>(kFirstPort + i));
   // A token that was seen once is valid after a restart too: where that could mean running
   // programs, or access from the network, only the user may decide to keep it.
-  const bool by_itself = cli::is_loopback(options.host) && !options.allow_build;
+  const bool by_itself = net::is_loopback(options.host) && !options.allow_build;
   if (options.keep_token.value_or(false) || by_itself) {
     network.tokens = kept_tokens_base();
     network.new_tokens = options.keep_token == false;
@@ -228,7 +228,7 @@ int studio_command(const StudioOptions& options) {
     return failed(shown.error());
   }
   fmt::print(stderr, "for viewers, who can change nothing: {}\n", (*server)->address(Role::viewer));
-  if (!cli::is_loopback(options.host)) {
+  if (!net::is_loopback(options.host)) {
     cli::print_warning(
         "others in the network reach this studio; whoever has the address with its token may do "
         "all "

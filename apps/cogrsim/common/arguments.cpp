@@ -66,6 +66,12 @@ CLI::Option* add_json(CLI::App& command, std::string& to, const std::string& wha
       ->default_str("-");
 }
 
+std::string json_from(const std::string& json, const std::string& format) {
+  if (!json.empty() && format != "text")
+    throw UsageError("--format", Problem("--json says it, too", "", "leave out one of them"));
+  return format == "json" ? "-" : json;
+}
+
 void add_without(CLI::App& command, std::vector<std::string>& to) {
   add_list(command, "--without", to,
            "Features of the scene that the run leaves out, with commas, as `cogrsim plugins` names "

@@ -38,6 +38,8 @@ void add_list(CLI::App& command, const char* name, std::vector<std::string>& to,
 /// `--json [FILE|-]`: `to` is a file, "-", which it is without one, or empty. `what` is its help.
 CLI::Option* add_json(CLI::App& command, std::string& to,
                       const std::string& what = "Write the result as JSON");
+/// Where JSON goes that `--format json`, which is `--json -`, may ask for, too; UsageError: both say something.
+std::string json_from(const std::string& json, const std::string& format);
 /// `--without`: what runs leave out.
 void add_without(CLI::App& command, std::vector<std::string>& to);
 /// The names in its arguments, see check_without().

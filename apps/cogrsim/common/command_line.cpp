@@ -523,9 +523,7 @@ void add_check(CLI::App& app, Arguments& arguments, int& status) {
     options.scenes = arguments.scenes;
     options.set = settings_from(arguments.set);
     options.backend = arguments.backend;
-    if (!arguments.json.empty() && arguments.format != "text")
-      throw UsageError("--format", Problem("--json says it, too", "", "leave out one of them"));
-    options.json = arguments.format == "json" ? "-" : arguments.json;
+    options.json = json_from(arguments.json, arguments.format);
     options.sarif = arguments.format == "sarif";
     options.without = without_from(arguments.without);
     options.plugin_paths = plugin_paths_from(arguments);

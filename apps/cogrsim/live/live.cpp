@@ -2,8 +2,6 @@
 
 #include <sys/resource.h>
 
-#include <cmath>
-#include <optional>
 #include <thread>
 
 #include "live/live_gate.h"
@@ -86,9 +84,5 @@ RunStatus Live::serve(double end) {
 }
 
 double Live::speed() const { return impl_->session.speed(); }
-
-bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
-}
 
 }  // namespace cogrsim::cli

@@ -37,7 +37,4 @@ class Live {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether only this machine reaches an address.
-bool is_loopback(const std::string& host);
-
 }  // namespace cogrsim::cli

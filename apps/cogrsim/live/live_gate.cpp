@@ -11,14 +11,6 @@ constexpr std::string_view kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.webso
 // Foxglove's page, and its program for desktops, whose pages are files. Pages of this machine are as
 // trusted as its programs.
 constexpr std::string_view kOrigins[] = {"https://app.foxglove.dev", "file://"};
-constexpr std::string_view kLocal[] = {"localhost", "127.0.0.1", "[::1]"};
-
-std::string_view without_port(std::string_view host) {
-  const auto colon = host.rfind(':');
-  if (colon == std::string_view::npos || host.find(']', colon) != std::string_view::npos)
-    return host;
-  return host.substr(0, colon);
-}
 
 }  // namespace
 
@@ -30,9 +22,7 @@ bool LiveGate::known_origin(std::string_view origin) const {
   }
   const auto scheme = origin.find("://");
   if (scheme == std::string_view::npos) return false;
-  const std::string_view host = without_port(origin.substr(scheme + 3));
-  return std::any_of(std::begin(kLocal), std::end(kLocal),
-                     [&](std::string_view local) { return net::same_word(local, host); });
+  return net::is_own_name(net::host_and_port(origin.substr(scheme + 3)).first);
 }
 
 net::Gatekeeper::Decision LiveGate::decide(const net::HttpRequest& request) {

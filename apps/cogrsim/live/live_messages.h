@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,17 +45,5 @@ std::optional<std::uint32_t> number_of(const nlohmann::json& value);
 std::optional<std::uint32_t> number_at(const nlohmann::json& object, const char* key);
 bool has_list(const nlohmann::json& object, const char* key);
 const nlohmann::json& list_at(const nlohmann::json& object, const char* key);
-
-/// Takes a number from the front of `bytes`; false: they are too short.
-template <class Number>
-bool take_number(std::string_view& bytes, Number& number) {
-  if (bytes.size() < sizeof number) return false;
-  number = 0;
-  for (std::size_t i = sizeof number; i-- > 0;) {
-    number = static_cast<Number>(number << 8 | static_cast<unsigned char>(bytes[i]));
-  }
-  bytes.remove_prefix(sizeof number);
-  return true;
-}
 
 }  // namespace cogrsim::cli

@@ -136,8 +136,8 @@ void LiveSession::call_service(ClientId client, std::string_view bytes) {
   wish.client = client;
   wish.is_call = true;
   std::uint32_t length = 0;
-  if (!take_number(bytes, wish.service) || !take_number(bytes, wish.call) ||
-      !take_number(bytes, length) || length > bytes.size()) {
+  if (!net::take_number(bytes, wish.service) || !net::take_number(bytes, wish.call) ||
+      !net::take_number(bytes, length) || length > bytes.size()) {
     return complain(client, StatusLevel::error, "the call of a service is too short");
   }
   const std::string_view encoding = bytes.substr(0, length);

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/json_bounds.h"
-#include "cogrsim/core/shown_text.h"
 #include "compare/report_pictures.h"
 #include "live/live_messages.h"
 #include "net/little_endian.h"
@@ -309,7 +308,7 @@ bool LiveSession::received_bytes(ClientId client, const std::string& bytes) {
   } else if (op != static_cast<unsigned char>(ClientOp::message_data)) {
     complain(client, StatusLevel::error,
              fmt::format("a binary message begins with 1 or 2, not with {}", op));
-  } else if (!take_number(rest, channel)) {
+  } else if (!net::take_number(rest, channel)) {
     complain(client, StatusLevel::error, "the binary message is too short");
   } else {
     const auto& published = clients_[client].published;

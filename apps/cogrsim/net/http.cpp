@@ -95,16 +95,25 @@ HttpAnswer refusal(int status, std::string text) {
   return answer;
 }
 
-bool known_host(std::string_view host, std::string_view local_address, std::string_view port) {
-  std::string_view name = host, named_port = "80";
+std::pair<std::string_view, std::string_view> host_and_port(std::string_view host) {
   const auto colon = host.rfind(':');
-  if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos) {
-    name = host.substr(0, colon);
-    named_port = host.substr(colon + 1);
-  }
+  if (colon == std::string_view::npos || host.find(']', colon) != std::string_view::npos)
+    return {host, "80"};
+  return {host.substr(0, colon), host.substr(colon + 1)};
+}
+
+bool is_own_name(std::string_view name) {
+  return same_word(name, "localhost") || name == "127.0.0.1" || name == "[::1]";
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+}
+
+bool known_host(std::string_view host, std::string_view local_address, std::string_view port) {
+  const auto [name, named_port] = host_and_port(host);
   if (named_port != port) return false;
-  return same_word(name, "localhost") || name == "127.0.0.1" || name == "[::1]" ||
-         (!local_address.empty() && same_word(name, local_address));
+  return is_own_name(name) || (!local_address.empty() && same_word(name, local_address));
 }
 
 std::optional<HttpAnswer> host_refusal(const HttpRequest& request, std::string_view port) {

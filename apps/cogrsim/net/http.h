@@ -56,6 +56,13 @@ bool known_host(std::string_view host, std::string_view local_address, std::stri
 /// The refusal of a request whose Host header is missing, there twice, or not known.
 std::optional<HttpAnswer> host_refusal(const HttpRequest& request, std::string_view port);
 
+/// Host and port of "name:port" or "[address]:port"; without a port "80".
+std::pair<std::string_view, std::string_view> host_and_port(std::string_view host);
+/// The names by which only this machine calls itself.
+bool is_own_name(std::string_view name);
+/// Whether only this machine reaches an address to listen at.
+bool is_loopback(const std::string& host);
+
 /// Equal but for the case of ASCII letters.
 bool same_word(std::string_view a, std::string_view b);
 std::string_view trimmed(std::string_view text);

@@ -15,6 +15,7 @@
 #include "common/scene_loading.h"
 #include "common/terminal.h"
 #include "live/live.h"
+#include "net/http.h"
 #include "render/plots.h"
 #include "run/inputs.h"
 #include "run/recording_start.h"
@@ -241,7 +242,7 @@ class SceneRun {
     if (!started) return fail_with(started.error());
     live_ = std::move(*started);
     fmt::print(stderr, "live: {}\n", live_->address());
-    if (!is_loopback(options_.live->host)) {
+    if (!net::is_loopback(options_.live->host)) {
       print_warning(
           "others in the network reach this run: whoever does sees and may steer it, there is no "
           "password, and nothing is encrypted\n"

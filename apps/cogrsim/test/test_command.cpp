@@ -327,9 +327,7 @@ void add_test(CLI::App& app, int& status) {
     options.without = without_from(arguments->without);
     options.filter = arguments->filter;
     options.junit = arguments->junit;
-    if (!arguments->json.empty() && arguments->format != "text")
-      throw UsageError("--format", Problem("--json says it, too", "", "leave out one of them"));
-    options.json = arguments->format == "json" ? "-" : arguments->json;
+    options.json = json_from(arguments->json, arguments->format);
     options.out = arguments->output;
     options.jobs = arguments->jobs;
     status = test_command(options);

@@ -16,13 +16,6 @@ namespace {
 /// g / w^2 = 3 cm below the pointer, and follows it within some 0.2 s.
 constexpr double kRate = 18.0;
 
-template <class Elements>
-std::optional<std::size_t> index_of(const Elements& elements, const std::string& name) {
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    if (!elements[i].removed && elements[i].name == name) return i;
-  return std::nullopt;
-}
-
 /// Of all bodies that move along with this one: joints connect them, fixed bodies do not [kg].
 double connected_mass(const SceneModel& model, std::size_t body) {
   std::vector<char> in(model.bodies.size(), 0);
@@ -94,9 +87,9 @@ void Engine::lose_inputs(const std::string& why) {
 Answer Engine::set_motor(const std::string& name, double target) {
   if (auto good = may_run(); !good) return tl::unexpected(good.error());
   const SceneModel& model = *simulation_->model();
-  const auto found = index_of(model.motors, name);
-  if (!found) return fail("there is no motor '" + name + "' in this run");
-  const Motor& motor = model.motors[*found];
+  const int found = find_motor(model, name);
+  if (found < 0) return fail("there is no motor '" + name + "' in this run");
+  const Motor& motor = model.motors[static_cast<std::size_t>(found)];
   const double limited = std::clamp(target, motor.min_target, motor.max_target);
   if (auto given = give(SetMotor{name, limited}); !given) return tl::unexpected(given.error());
   publish(state_ != State::playing);
@@ -113,14 +106,15 @@ Answer Engine::grab(ClientId client, GrabRequest request) {
                 "pull on another engine");
   if (grab_ && grab_->client != client) return fail("somebody else pulls '" + grab_->request.body + "'");
   const SceneModel& model = *simulation_->model();
-  const auto found = index_of(model.bodies, request.body);
-  if (!found) return fail("there is no body '" + request.body + "' in this run");
-  if (model.bodies[*found].kind != BodyKind::dynamic)
+  const int found = find_body(model, request.body);
+  if (found < 0) return fail("there is no body '" + request.body + "' in this run");
+  const auto body = static_cast<std::size_t>(found);
+  if (model.bodies[body].kind != BodyKind::dynamic)
     return fail("body '" + request.body + "' is static or kinematic: forces do not move it");
   Grab grab;
   grab.client = client;
   grab.request = std::move(request);
-  set_spring(grab, *found);
+  set_spring(grab, body);
   grab_ = std::move(grab);
   return Json{{"stiffness", grab_->stiffness}, {"damping", grab_->damping}};
 }
@@ -157,12 +151,13 @@ void Engine::set_spring(Grab& grab, std::size_t index) const {
 
 /// F = stiffness (target - x) - damping v at the point x of the body, from its state before the step.
 void Engine::pull() {
-  const auto found = index_of(latest_->model->bodies, grab_->request.body);
-  if (!found || latest_->model->bodies[*found].kind != BodyKind::dynamic) return grab_.reset();
-  if (grab_->dt != simulation_->dt()) set_spring(*grab_, *found);
-  const Pose& X_WB = latest_->state.poses[*found];
+  const int found = find_body(*latest_->model, grab_->request.body);
+  const auto body = static_cast<std::size_t>(found);
+  if (found < 0 || latest_->model->bodies[body].kind != BodyKind::dynamic) return grab_.reset();
+  if (grab_->dt != simulation_->dt()) set_spring(*grab_, body);
+  const Pose& X_WB = latest_->state.poses[body];
   const Vec3 arm = X_WB.q * grab_->request.point;
-  const Vec3 velocity = latest_->state.twists[*found].at(arm);
+  const Vec3 velocity = latest_->state.twists[body].at(arm);
   ApplyForce push;
   push.body = grab_->request.body;
   push.point = grab_->request.point;

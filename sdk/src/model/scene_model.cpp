@@ -315,6 +315,9 @@ int find_body(const SceneModel& model, const std::string& name) {
 int find_joint(const SceneModel& model, const std::string& name) {
   return find_by_name(model.joints, name);
 }
+int find_motor(const SceneModel& model, const std::string& name) {
+  return find_by_name(model.motors, name);
+}
 int find_assembly(const SceneModel& model, const std::string& name) {
   return find_by_name(model.assemblies, name);
 }

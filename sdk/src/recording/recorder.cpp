@@ -208,12 +208,7 @@ void Recorder::attach(Attachment file) { impl_->late.push_back(std::move(file));
 
 Result<> Recorder::finish(RunStatus status) {
   if (!impl_->thread.joinable()) return fail("the recording is already finished");
-  RunQueue::Item last;
-  impl_->queue->take_messages(*impl_->simulation, last.messages);
-  if (!last.messages.empty()) {
-    std::lock_guard lock(impl_->queue->mutex);
-    impl_->queue->items.push_back(std::move(last));
-  }
+  impl_->queue->put_last_messages(*impl_->simulation);
   return impl_->end(to_string(status));
 }
 

@@ -127,14 +127,17 @@ PictureLocations RunEncoder::picture(std::size_t index, const Picture& picture,
   PictureLocations locations;
   if (!picture.color.data.empty()) {
     if (topics.color == 0) topics.color = image_topic(index, sensor, "color", compressed_image_);
-    const auto data = !sink_.wants(topics.color) ? Result<std::string>(std::string())
-                      : options_.jpeg            ? encode_jpeg(picture.color)
-                                                 : encode_png(picture.color);
+    // Asked once: others subscribe meanwhile.
+    const bool wanted = sink_.wants(topics.color);
+    const auto data = !wanted         ? Result<std::string>(std::string())
+                      : options_.jpeg ? encode_jpeg(picture.color)
+                                      : encode_png(picture.color);
     if (data) {
-      sink_.message(
-          topics.color, static_cast<std::uint32_t>(topics.colors), time, [&](std::string& out) {
-            put_compressed_image(out, frame_id, *data, options_.jpeg ? "jpeg" : "png", time);
-          });
+      if (wanted)
+        sink_.message(
+            topics.color, static_cast<std::uint32_t>(topics.colors), time, [&](std::string& out) {
+              put_compressed_image(out, frame_id, *data, options_.jpeg ? "jpeg" : "png", time);
+            });
       locations.color = ++topics.colors;
     } else {
       message({static_cast<double>(time) / 1e9, Severity::error, sensor.name, data.error().text()});
@@ -157,14 +160,14 @@ PictureLocations RunEncoder::picture(std::size_t index, const Picture& picture,
     }
     // Body index + 1 in 16 bits, which viewers can display; scenes with more bodies need 32 bits.
     const bool wide = model_->bodies.size() >= 65535;
-    std::string data;
-    data.reserve(picture.bodies.size() * 4);
-    for (const std::int32_t body : picture.bodies) {
-      const auto label = static_cast<std::uint32_t>(body + 1);
-      data.append(reinterpret_cast<const char*>(&label), wide ? 4 : 2);
-    }
     sink_.message(topics.segmentation, static_cast<std::uint32_t>(topics.segmentations), time,
                   [&](std::string& out) {
+                    std::string data;
+                    data.reserve(picture.bodies.size() * 4);
+                    for (const std::int32_t body : picture.bodies) {
+                      const auto label = static_cast<std::uint32_t>(body + 1);
+                      data.append(reinterpret_cast<const char*>(&label), wide ? 4 : 2);
+                    }
                     put_raw_image(out, frame_id, picture.width, picture.height,
                                   wide ? "32SC1" : "16UC1", (wide ? 4 : 2) * picture.width, data,
                                   time);

@@ -84,6 +84,14 @@ void RunQueue::observe(const Simulation& simulation, const FramePtr& frame) {
   if (bytes >= kWakeBytes) waiting.notify_one();
 }
 
+void RunQueue::put_last_messages(const Simulation& simulation) {
+  Item last;
+  take_messages(simulation, last.messages);
+  if (last.messages.empty()) return;
+  const std::lock_guard lock(mutex);
+  items.push_back(std::move(last));
+}
+
 bool RunQueue::take(std::deque<Item>& taken, std::chrono::milliseconds look) {
   std::unique_lock lock(mutex);
   if (bytes < kWakeBytes && !closed) {

@@ -53,7 +53,6 @@ struct RunQueue {
   double allowance = 0.0;
   std::chrono::steady_clock::time_point counted = std::chrono::steady_clock::now();
 
-  void take_messages(const Simulation& simulation, std::vector<RunMessage>& out);
   void observe(const Simulation& simulation, const FramePtr& frame);
   /// Takes what is there, after `look` or at kWakeBytes. Returns false if the queue is closed.
   bool take(std::deque<Item>& taken, std::chrono::milliseconds look);
@@ -61,7 +60,11 @@ struct RunQueue {
   void release(std::size_t freed);
   void close();
 
+  /// Of the end, which come with no frame.
+  void put_last_messages(const Simulation& simulation);
+
  private:
+  void take_messages(const Simulation& simulation, std::vector<RunMessage>& out);
   bool in_allowance(const Frame& frame);
   std::size_t new_pictures(const Frame& frame);
 };

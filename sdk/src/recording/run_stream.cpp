@@ -2,7 +2,6 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <thread>
 
 #include "recording/run_encoder.h"
@@ -83,12 +82,7 @@ RunStream::RunStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 RunStream::~RunStream() {
   impl_->observation.end();
-  RunQueue::Item last;
-  impl_->queue->take_messages(*impl_->simulation, last.messages);
-  if (!last.messages.empty()) {
-    const std::lock_guard lock(impl_->queue->mutex);
-    impl_->queue->items.push_back(std::move(last));
-  }
+  impl_->queue->put_last_messages(*impl_->simulation);
   impl_->queue->close();
   impl_->thread.join();
 }

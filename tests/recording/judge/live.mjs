@@ -47,7 +47,7 @@ async function start(...options) {
   return state;
 }
 
-// All that a client is told, by kind.
+// All messages to a client, by kind.
 class Watcher {
   constructor(url, protocol = "foxglove.websocket.v1", options = {}) {
     this.socket = new WebSocket(url, [protocol], options);

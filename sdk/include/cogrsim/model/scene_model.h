@@ -608,6 +608,7 @@ COGRSIM_API int top_level_assembly(const SceneModel& model, int assembly);
 /// Index of the element with this dotted name that is not removed, or -1.
 COGRSIM_API int find_body(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_joint(const SceneModel& model, const std::string& name);
+COGRSIM_API int find_motor(const SceneModel& model, const std::string& name);
 COGRSIM_API int find_assembly(const SceneModel& model, const std::string& name);
 
 /// The source location with the file's name; without one for an element that a program created.

@@ -2,15 +2,13 @@
 // messages.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "cogrsim/core/types.h"
+#include "recording/mcap/bytes.h"
 
 namespace cogrsim::ros2 {
 
@@ -26,14 +24,8 @@ class Cdr {
 
   template <class Number>
   void put(Number value) {
-    static_assert(std::is_arithmetic_v<Number>);
     align(sizeof value);
-    char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    std::reverse(bytes, bytes + sizeof value);
-#endif
-    out_.append(bytes, sizeof value);
+    mcap::put(out_, value);
   }
   void put(bool value) { put(static_cast<std::uint8_t>(value)); }
   void put(const Vec3& v) {

@@ -3,35 +3,20 @@ import type { Widget } from "@lumino/widgets";
 import { effect } from "@preact/signals-core";
 import { h } from "preact";
 import type { PanelType, Studio } from "../core/studio";
-import { PreactWidget } from "../forms/preact_widget";
-import { Subscription } from "../view3d/subscription";
+import { JointsWidget } from "../hands/joints_widget";
 import { TestStore } from "./store";
 import { TestsView } from "./view";
 import "./tests.css";
 
-/** Frames have the coordinates of joints while the panel is there: tests can be made of them. */
-class TestsWidget extends PreactWidget {
-  constructor(private readonly studio: Studio) {
-    super(() => h(TestsView, { store: studio.services.get(TestStore) }));
-    this.addClass("cg-tests");
-  }
-  private need(joints: boolean): void {
-    this.studio.services.get(Subscription).set("tests", { readings: false, contacts: false, joints });
-  }
-  protected override onAfterAttach(): void {
-    super.onAfterAttach();
-    this.need(true);
-  }
-  protected override onBeforeDetach(): void {
-    this.need(false);
-    super.onBeforeDetach();
-  }
-}
-
 export const panel: PanelType = {
   name: "tests",
   title: "Tests",
-  create: (studio: Studio): Widget => new TestsWidget(studio),
+  create: (studio: Studio): Widget => {
+    // joints, as tests can be made of them
+    const widget = new JointsWidget(studio, "tests", () => h(TestsView, { store: studio.services.get(TestStore) }));
+    widget.addClass("cg-tests");
+    return widget;
+  },
 };
 
 /** Adds the panel's commands; called once, before any panel is made. */
