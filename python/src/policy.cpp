@@ -503,6 +503,12 @@ std::vector<py::tuple> terms(const PyPolicy& self) {
   return out;
 }
 
+std::map<std::string, std::vector<std::int64_t>> shapes_of(const std::vector<NetworkPort>& ports) {
+  std::map<std::string, std::vector<std::int64_t>> out;
+  for (const NetworkPort& port : ports) out[port.name] = port.shape;
+  return out;
+}
+
 }  // namespace
 
 void bind_policy(py::module_& m) {
@@ -581,19 +587,11 @@ Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the 
           "command", [](const PolicyPtr& s) { return card_of(*s, "command").command; }, "Of the card")
       .def_property_readonly(
           "inputs",
-          [](const PolicyPtr& s) {
-            std::map<std::string, std::vector<std::int64_t>> out;
-            for (const NetworkPort& port : s->network->inputs()) out[port.name] = port.shape;
-            return out;
-          },
+          [](const PolicyPtr& s) { return shapes_of(s->network->inputs()); },
           "Shapes of the network's inputs by name, for one world")
       .def_property_readonly(
           "outputs",
-          [](const PolicyPtr& s) {
-            std::map<std::string, std::vector<std::int64_t>> out;
-            for (const NetworkPort& port : s->network->outputs()) out[port.name] = port.shape;
-            return out;
-          },
+          [](const PolicyPtr& s) { return shapes_of(s->network->outputs()); },
           "Shapes of its outputs by name")
       .def_property_readonly(
           "metadata",

@@ -13,7 +13,7 @@ export interface Motor {
   max_voltage?: number;
 }
 
-/** What is told once, before the first update. */
+/** Sent once, before the first update. */
 export interface Hello {
   robot: string;
   backend: string;
@@ -72,6 +72,6 @@ export interface Options {
  * Serves simulations at `unix:PATH` or `tcp:HOST:PORT`, also several at a time, until there are no more; the number of
  * those served. `begin` is called once for each, and gives what answers its updates.
  * Rejects with an Error when no simulation came, when one refuses this client, when a message is none, and with what
- * `begin` or a step threw, whose simulation is told so as a fault.
+ * `begin` or a step threw, which its simulation gets as a fault.
  */
 export function control(address: string, begin: (hello: Hello) => Step | Promise<Step>, options?: Options): Promise<number>;

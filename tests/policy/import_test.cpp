@@ -495,7 +495,7 @@ TEST_CASE("what a source leaves open is asked for, all at once", "[import][bad]"
   CHECK(answered.card == kGymCard);
 }
 
-TEST_CASE("wrong values of sources are told at line and column", "[import][bad]") {
+TEST_CASE("wrong values of sources are reported at line and column", "[import][bad]") {
   const PolicyFolder folder;
   folder.write("env.yaml", kEnvironment);
   const struct {

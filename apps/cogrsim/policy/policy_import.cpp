@@ -26,7 +26,7 @@ int import_policy(const PolicyImportOptions& options,
     return kFailed;
   }
   const std::string robot = sources->robot(), network = sources->network();
-  // Robot and network answer questions, too: what is wrong with them is told with what is open.
+  // Robot and network answer questions, too: what is wrong with them is reported with what is open.
   SceneModelPtr model;
   if (!robot.empty()) {
     add_input(robot);

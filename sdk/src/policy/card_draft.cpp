@@ -168,6 +168,11 @@ std::string list_text(const std::vector<double>& values) {
   return out + "]";
 }
 
+std::string value_text(const std::vector<double>& values) {
+  const std::string text = numbers_text(values, true);
+  return text.find(' ') == std::string::npos ? text : list_text(values);
+}
+
 std::string name_text(const std::string& name) {
   const bool plain =
       !name.empty() &&

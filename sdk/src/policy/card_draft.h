@@ -69,6 +69,8 @@ std::string number_text(double value);
 std::string numbers_text(const std::vector<double>& values, bool shorten);
 /// The same as a list, "[0.1, 0, 0.3]".
 std::string list_text(const std::vector<double>& values);
+/// Of values per joint: one number where all are alike, else the list.
+std::string value_text(const std::vector<double>& values);
 /// A name or path, in quotes where YAML needs them.
 std::string name_text(const std::string& name);
 std::string names_text(const std::vector<std::string>& names);

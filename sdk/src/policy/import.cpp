@@ -123,10 +123,7 @@ void read_metadata(const std::string& path, const PolicyNetwork& network, CardDr
       draft.ask(at, "", name, fmt::format("the metadata have no '{}'", data_key),
                 fmt::format("--set '{}=…'", name));
     else
-      map.set(key, *unit ? numbers_text(values, true) + unit
-                         : (numbers_text(values, true).find(' ') == std::string::npos
-                                ? numbers_text(values, true)
-                                : list_text(values)));
+      map.set(key, *unit ? numbers_text(values, true) + unit : value_text(values));
   };
   put(draft.top, "default-pose", "default-pose", "default_joint_pos", " rad");
   put(draft.actions, "scale", "actions.scale", "action_scale", "");

@@ -81,11 +81,6 @@ class GymReader {
   }
 
  private:
-  static std::string value_text(const Numbers& values) {
-    const std::string text = numbers_text(values, true);
-    return text.find(' ') == std::string::npos ? text : list_text(values);
-  }
-
   // Asked for where the file does not have it, with the nearest of its keys.
   std::optional<Numbers> numbers(const std::string& key, const std::string& card_key) {
     const YAML::Node node = yaml_.root()[key];

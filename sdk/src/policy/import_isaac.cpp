@@ -260,11 +260,7 @@ class IsaacReader {
   void put_actions(const YAML::Node& at, const std::string& kind, const Numbers& scale,
                    const Numbers& offset, const Numbers& low, const Numbers& high, bool clipped) {
     draft_.actions.set("kind", kind);
-    const auto listed = [](const Numbers& values) {
-      const std::string text = numbers_text(values, true);
-      return text.find(' ') == std::string::npos ? text : list_text(values);
-    };
-    draft_.actions.set("scale", listed(scale));
+    draft_.actions.set("scale", value_text(scale));
     offset_ = offset;
     kind_ = kind;
     if (!clipped) return;
@@ -509,9 +505,8 @@ class IsaacReader {
     if (const YAML::Node scale = child(settings, "scale"); !is_null(scale)) {
       const auto values = plain_numbers(yaml_, scale, "scale");
       if (!values) return;
-      const std::string text = numbers_text(*values, true);
-      if (text != "1")
-        out.settings.set("scale", text.find(' ') == std::string::npos ? text : list_text(*values));
+      if (const std::string text = value_text(*values); text != "1")
+        out.settings.set("scale", text);
     }
     if (const YAML::Node history = child(settings, "history_length"); !is_null(history)) {
       const auto length = yaml_.quantity(history, units::dim::kNone, "history_length");
@@ -564,20 +559,12 @@ class IsaacReader {
     if (env_)
       for (std::size_t i = 0; i < joints_.size(); ++i)
         actuator(joints_[i], kp_[i], kd_[i], effort[i]);
-    const auto none = [](double v) { return v == 0.0; };
-    const bool open =
-        std::all_of(kp_.begin(), kp_.end(), none) && std::all_of(kd_.begin(), kd_.end(), none);
-    const auto listed = [](const Numbers& values) {
-      const std::string text = numbers_text(values, true);
-      return text.find(' ') == std::string::npos ? text : list_text(values);
-    };
-    const auto counted = [&](const Numbers& values) {
-      return count -
-             static_cast<std::size_t>(std::count_if(values.begin(), values.end(), none));
-    };
-    std::size_t limp = 0;
-    for (std::size_t i = 0; i < count; ++i) limp += kp_[i] == 0.0 && kd_[i] == 0.0 ? 1u : 0u;
-    if (open) {
+    std::size_t limp = 0, limited = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      limp += kp_[i] == 0.0 && kd_[i] == 0.0 ? 1u : 0u;
+      limited += effort[i] > 0.0 ? 1u : 0u;
+    }
+    if (limp == count) {
       const std::string why =
           "the gains in the file are 0: the joints were driven by a model of actuators of their "
           "own; the "
@@ -592,12 +579,11 @@ class IsaacReader {
         ask(draft_, yaml_, at, "actions.kp", why, "--set 'actions.kp=[…]', one for each joint");
       ask(draft_, yaml_, at, "actions.kd", why, "--set 'actions.kd=[…]', one for each joint");
     } else {
-      if (kind_ == "position") draft_.actions.set("kp", listed(kp_));
-      draft_.actions.set("kd", listed(kd_));
+      if (kind_ == "position") draft_.actions.set("kp", value_text(kp_));
+      draft_.actions.set("kd", value_text(kd_));
     }
-    const std::size_t limited = counted(effort);
     if (limited == count)
-      draft_.actions.set("effort-limit", listed(effort));
+      draft_.actions.set("effort-limit", value_text(effort));
     else if (limited > 0)
       ask(draft_, yaml_, at, "actions.effort-limit",
           fmt::format("{} of {} joints have a limit of effort in the files", limited, count),
