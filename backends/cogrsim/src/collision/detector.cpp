@@ -131,6 +131,24 @@ void Detector::sort_bounds(int axis) {
   }
 }
 
+// As wide as two bounds are on the average, of which none counts as wider than all middles are apart.
+Detector::Strips Detector::cut_strips(int axis) {
+  constexpr double kMost = 256.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low, extents = 0.0;
+  for (const Bounds& b : sorted_) {
+    const double middle = 0.5 * (b.low[axis] + b.high[axis]);
+    low = std::min(low, middle);
+    high = std::max(high, middle);
+  }
+  for (const Bounds& b : sorted_) extents += std::min(b.high[axis] - b.low[axis], high - low);
+  Strips strips;
+  const double count = std::min(0.5 * double(sorted_.size()) * (high - low) / extents, kMost);
+  if (count > 1.0) strips = {low, count / (high - low), int(count)};
+  open_.resize(std::max(open_.size(), std::size_t(strips.last) + 1));
+  for (std::vector<int>& open : open_) open.clear();
+  return strips;
+}
+
 void Detector::find_pairs() {
   pairs_.swap(last_pairs_);
   apart_.swap(last_apart_);
@@ -142,22 +160,28 @@ void Detector::find_pairs() {
   }
   const int axis = widest_axis(), second = (axis + 1) % 3, third = (axis + 2) % 3;
   sort_bounds(axis);
-  open_.clear();
+  const Strips strips = cut_strips(second);
   for (int i = 0; i < int(sorted_.size()); ++i) {
     const Bounds& b = sorted_[std::size_t(i)];
-    std::size_t count = 0;
-    for (const int k : open_) {
-      const Bounds& o = sorted_[std::size_t(k)];
-      if (o.high[axis] < b.low[axis]) continue;
-      open_[count++] = k;
-      if (!(b.moves || o.moves) || o.high[second] < b.low[second] ||
-          b.high[second] < o.low[second] || o.high[third] < b.low[third] ||
-          b.high[third] < o.low[third])
-        continue;
-      pairs_.emplace_back(std::min(b.collider, o.collider), std::max(b.collider, o.collider));
+    const int first = strips.of(b.low[second]), last = strips.of(b.high[second]);
+    for (int strip = first; strip <= last; ++strip) {
+      std::vector<int>& open = open_[std::size_t(strip)];
+      std::size_t count = 0;
+      for (const int k : open) {
+        const Bounds& o = sorted_[std::size_t(k)];
+        if (o.high[axis] < b.low[axis]) continue;
+        open[count++] = k;
+        if (!(b.moves || o.moves) || o.high[second] < b.low[second] ||
+            b.high[second] < o.low[second] || o.high[third] < b.low[third] ||
+            b.high[third] < o.low[third])
+          continue;
+        // Of the strips that both lie in the first has the pair.
+        if (strip > first && strips.of(o.low[second]) < strip) continue;
+        pairs_.emplace_back(std::min(b.collider, o.collider), std::max(b.collider, o.collider));
+      }
+      open.resize(count);
+      open.push_back(i);
     }
-    open_.resize(count);
-    open_.push_back(i);
   }
   for (int p : unbounded_) {
     const Collider& plane = colliders_[std::size_t(p)];

@@ -57,8 +57,18 @@ class Detector {
   std::vector<int> unbounded_;  ///< planes
   std::vector<std::pair<int, int>> pairs_, last_pairs_;  ///< of colliders
   std::vector<Apart> apart_, last_apart_;                ///< of each pair
-  int axis_ = -1;          ///< that of sorted_
-  std::vector<int> open_;  ///< places in sorted_
+  int axis_ = -1;  ///< that of sorted_
+  /// Strips across an axis. What is beyond the ends is in the first or the last.
+  struct Strips {
+    double low = 0.0, per_length = 0.0;  ///< [m], [1/m]
+    int last = 0;
+    int of(double x) const {
+      const double at = (x - low) * per_length;
+      return at > 0.0 ? (at < last ? int(at) : last) : 0;
+    }
+  };
+  Strips cut_strips(int axis);
+  std::vector<std::vector<int>> open_;  ///< by strip: places in sorted_
   std::vector<std::vector<ContactPoint>> parts_;  ///< found by each part of the pairs
 };
 

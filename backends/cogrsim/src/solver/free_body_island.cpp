@@ -37,10 +37,10 @@ const bool kWide = __builtin_cpu_supports("avx2");
 // Rigid faces that are a little out of true cannot all touch, and multipliers would grow in every
 // step: a row of the position stage yields to its load by this much of its inverse mass.
 constexpr double kYield = 0.1;
-// Sweeps stop as in Island, those of the position stage as soon as they are idle, and where kPatience
-// more gain less than kStuck.
+// Sweeps stop as in Island, those of the position stage as soon as they are idle, there and back once in what is at
+// rest, and where kPatience more gain less than kStuck.
 constexpr int kPatience = 4;
-constexpr double kIdle = 300.0, kSlow = 0.7, kStuck = 0.8;
+constexpr double kIdle = 300.0, kIdleMoving = 3000.0, kSlow = 0.7, kStuck = 0.8;
 constexpr double kIdleScale = 0.99;
 // A heap that moves touches elsewhere in the next step: after so many sweeps it takes few gains as none. One is at rest where
 // no contact is faster than this [m/s].
@@ -286,7 +286,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<R
   const auto impulses = [&](std::size_t i) -> Four& { return impulses_[i].lambda; };
   const auto diagonal = [&](std::size_t i) -> const Four& { return impulses_[i].diagonal; };
   steps_.begin(groups_.size(), impulses, v_);
-  double before = std::numeric_limits<double>::infinity();
+  double before = 0.0;
   int count = 1;
   for (; count <= options.iterations; ++count) {
     const bool backwards = count % 2 == 0;
@@ -294,6 +294,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<R
                                                int(bundles_.size()) - 1, normal_blocks_.data(),
                                                backwards, v_.data()));
     if (change < options.tolerance) break;
+    if (count == 1) before = change;
     if (count % kPatience == 0) {
       if (change > kSlow * before && (change < idle || (moves_ && count >= kEnough))) break;
       before = change;
@@ -376,7 +377,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
   if (!measure_gaps(h, rows)) return;
   hold_sticking(h);
   const double tolerance = std::max(options.tolerance * h, 1e-12);
-  const double idle = kIdle * tolerance;
+  const double idle = (moves_ ? kIdleMoving : kIdle) * tolerance;
   p_.assign(roots_.size(), FreeIslandBody{});
   for (std::size_t n = 0; n < groups_.size(); ++n)
     for (int i = 0; i < groups_[n].count; ++i)
@@ -398,7 +399,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
       warm_start_scale = 1.0;
       break;
     }
-    if (count % kPatience == 0) {
+    if (count % kPatience == 0 || (count == 2 && change < idle)) {
       if (change < idle || change > kStuck * before) {
         warm_start_scale = change < idle ? kIdleScale : 0.0;
         break;
