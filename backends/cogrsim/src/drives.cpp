@@ -13,9 +13,7 @@ constexpr double kExplicitLimit = 0.5;
 void locate(const Mechanism& mechanism, AxisLaw& law) {
   const Link& link = mechanism.links()[std::size_t(mechanism.joint_link(law.joint))];
   law.component = link.component;
-  const std::vector<int>& speeds =
-      const_cast<Mechanism&>(mechanism).components()[std::size_t(law.component)].speeds;
-  law.local = int(std::find(speeds.begin(), speeds.end(), law.speed) - speeds.begin());
+  law.local = law.speed - mechanism.components()[std::size_t(law.component)].speeds.first;
 }
 
 }  // namespace

@@ -103,22 +103,12 @@ void Stepper::sum_efforts(const Values& q, const Values& u, double weight, bool 
   }
 }
 
-void Stepper::flatten(const Values& by_speed, std::vector<double>& out) const {
-  const double* const in = by_speed.size() > 0 ? &by_speed[0] : nullptr;
-  out.clear();
-  for (const Component& c : mechanism_.components())
-    for (int u : c.speeds) out.push_back(in[u]);
-}
-
 bool Stepper::build_rows(double h) {
-  flatten(mechanism_.state.u(), row_u_);
-  flatten(start_udot_, row_start_);
-  flatten(udot_, row_udot_);
   context_.h = h;
   context_.bounce_threshold = model_.physics.bounce_threshold;
-  context_.u = row_u_.data();
-  context_.start_udot = row_start_.data();
-  context_.udot = row_udot_.data();
+  context_.u = mechanism_.state.u().data();
+  context_.start_udot = start_udot_.data();
+  context_.udot = udot_.data();
   context_.start_q = &q0_;
   context_.start_u = &u0_;
   joints_.clear();
@@ -384,7 +374,7 @@ void Stepper::limit_displacements(double h, Island& island) {
     if (gained < 0.0) continue;
     limited = true;
     const double share = allowed_share(*c, h, gained);
-    for (int k = 0; k < c->size(); ++k) displacement_[std::size_t(c->offset + k)] *= share;
+    for (const int u : c->speeds) displacement_[std::size_t(u)] *= share;
   }
   if (limited) island.measure_gap_changes(displacement_.data());
 }
@@ -403,7 +393,7 @@ double Stepper::allowed_share(const Component& c, double h, double gained) const
     Spatial& move = moves[i];
     if (c.inboard[i] >= 0) move = moves[std::size_t(c.inboard[i])];
     for (int k = c.first[i]; k < c.first[i] + link.nu; ++k) {
-      const double d = displacement_[std::size_t(c.offset + k)];
+      const double d = displacement_[std::size_t(c.speeds[std::size_t(k)])];
       move.angular += d * c.motion[std::size_t(k)].angular;
       move.linear += d * c.motion[std::size_t(k)].linear;
     }
@@ -488,17 +478,12 @@ void Stepper::solve_islands(double h) {
 
 void Stepper::solve_rows(double h) {
   Mechanism& m = mechanism_;
-  int speeds = 0;
-  for (const Component& c : m.components()) speeds += c.size();
-  dv_.assign(std::size_t(speeds), 0.0);
-  displacement_.assign(std::size_t(speeds), 0.0);
+  dv_.assign(std::size_t(m.state.nu()), 0.0);
+  displacement_.assign(std::size_t(m.state.nu()), 0.0);
   const double* const udot = udot_.data();
   const double* const start_udot = start_udot_.data();
   for (const Component& c : m.components())
-    for (int k = 0; k < c.size(); ++k) {
-      const int u = c.speeds[std::size_t(k)];
-      dv_[std::size_t(c.offset + k)] = h * (udot[u] - 0.5 * start_udot[u]);
-    }
+    for (const int u : c.speeds) dv_[std::size_t(u)] = h * (udot[u] - 0.5 * start_udot[u]);
   warm_start_joints(h);
   solve_islands(h);
   sum_efforts(m.state.q(), m.state.u(), h, false);
@@ -511,10 +496,9 @@ void Stepper::solve_rows(double h) {
   double* const second_half = stage_.data();
   stage_ *= 0.5 * h;
   for (const Component& c : m.components())
-    for (int k = 0; k < c.size(); ++k) {
-      const int u = c.speeds[std::size_t(k)];
-      end_u[u] = middle_u[u] + dv_[std::size_t(c.offset + k)];
-      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(c.offset + k)];
+    for (const int u : c.speeds) {
+      end_u[u] = middle_u[u] + dv_[std::size_t(u)];
+      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(u)];
     }
   m.multiply_by_n(stage_, displaced_);
   displaced_ = displaced_ + qm_;

@@ -95,8 +95,6 @@ class Stepper {
   void set(const Values& q, const Values& u);
   // Of the components whose mark in `untouched_` is `untouched`.
   void sum_efforts(const Values& q, const Values& u, double weight, bool untouched);
-  // From the order of the state to that over all components.
-  void flatten(const Values& by_speed, std::vector<double>& out) const;
   void warm_start_joints(double h);
   void remember(double h);
   void predict_udot(double h);
@@ -127,8 +125,7 @@ class Stepper {
   std::vector<Gain> gained_;  ///< (ncomponent)
   Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
       mean_, smooth_q_, smooth_u_;
-  std::vector<double> dv_, displacement_;             ///< over all components
-  std::vector<double> row_u_, row_start_, row_udot_;  ///< likewise: what rows are made from
+  std::vector<double> dv_, displacement_;  ///< by speed
 };
 
 }  // namespace cogrsim::dynamics

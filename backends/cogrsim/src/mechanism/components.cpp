@@ -88,12 +88,6 @@ void find_columns(const Mechanism& mechanism, const Link& link, const Placement&
 
 }  // namespace
 
-int Component::find(int link) const {
-  for (std::size_t i = 0; i < links.size(); ++i)
-    if (links[i] == link) return int(i);
-  return -1;
-}
-
 void update_motion(const Mechanism& mechanism, Component& c) {
   const std::int64_t version = mechanism.state.q_version();
   if (c.motion_version == version) return;
@@ -122,10 +116,6 @@ void update_component(const Mechanism& mechanism, Component& c) {
     c.origin = X * link.com;
     c.inverse_mass = 1.0 / link.mass;
     c.inverse_inertia = X.R * link.inverse_inertia * X.R.transpose();
-    for (int k = 0; k < 3; ++k) {
-      c.motion[std::size_t(k)] = {Vec3::Unit(k), Vec3::Zero()};
-      c.motion[std::size_t(k + 3)] = {Vec3::Zero(), Vec3::Unit(k)};
-    }
     return;
   }
 

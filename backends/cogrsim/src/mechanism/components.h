@@ -37,10 +37,28 @@ struct Loops {
                                ///< inverted; rows of 6 nweld
 };
 
+/// Numbers that follow each other.
+struct Indices {
+  struct Iterator {
+    int at;
+    int operator*() const { return at; }
+    Iterator& operator++() {
+      ++at;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return at != other.at; }
+  };
+  int first = 0, count = 0;
+  std::size_t size() const { return std::size_t(count); }
+  int operator[](std::size_t i) const { return first + int(i); }
+  Iterator begin() const { return {first}; }
+  Iterator end() const { return {first + count}; }
+};
+
 struct Component {
   // Fixed by the topology.
-  std::vector<int> links;    ///< of Mechanism::links(); parents first
-  std::vector<int> speeds;   ///< global u index of each local degree of freedom
+  Indices links;             ///< of Mechanism::links(); parents first
+  Indices speeds;            ///< u index of each local degree of freedom
   std::vector<int> first;    ///< first local degree of freedom of each of `links`
   std::vector<int> inboard;  ///< position in `links` of the parent; -1: none in this component
   struct Range {
@@ -48,12 +66,11 @@ struct Component {
   };
   std::vector<Range> trees;    ///< degrees of freedom of each; one, unless there are welds
   std::vector<int> tree;       ///< of each of `links`
-  std::vector<Weld> welds;     ///< with some, `links` go tree by tree
+  std::vector<Weld> welds;
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
   bool is_free_body = false;   ///< one free body: closed forms hold
   bool asleep = false;         ///< its speeds are and stay 0, see sleep.h
-  int offset = 0;              ///< of its degrees of freedom in arrays over all components
-  int size() const { return int(speeds.size()); }
+  int size() const { return speeds.count; }
   /// One beyond the last local degree of freedom of a link at a position in `links`.
   int end_of(std::size_t at) const { return at + 1 < first.size() ? first[at + 1] : size(); }
 
@@ -62,7 +79,8 @@ struct Component {
   std::int64_t version = -1;            ///< of the rest
   Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
   std::vector<Inertia> inertias;        ///< of each of `links`; not of a free body
-  std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size)
+  std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size);
+                                        ///< not of a free body
   double inverse_mass = 0.0;            ///< free body only
   Mat3 inverse_inertia = Mat3::Zero();  ///< free body only, world axes
   std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
@@ -74,8 +92,10 @@ struct Component {
   std::vector<Spatial>
       bias;  ///< find_bias: accelerations of `links` while the coordinates' are zero
 
-  /// Position of a link in `links`.
-  int find(int link) const;
+  /// Position of a link in `links`; -1: it is not of this component.
+  int find(int link) const {
+    return link >= links.first && link < links.first + links.count ? link - links.first : -1;
+  }
 };
 
 /// Origin, inertias and motion columns at the state's configuration.

@@ -50,6 +50,7 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
   link.plan = plan;
   link.mounting = mount(*model_, plan);
   link.kinematic = body.kind == BodyKind::kinematic;
+  link.component = plan.component;
   link.mass = plan.share * body.mass;
   link.com = body.com;
   link.weight = body.gravity_scale * link.mass * model_->physics.gravity;
@@ -67,77 +68,36 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
 }
 
 void Mechanism::make_components() {
-  // Trees are numbered by their first link; welds then tie trees together.
-  std::vector<int> root(links_.size());
-  const auto find = [&](int i) {
-    while (root[std::size_t(i)] != i) i = root[std::size_t(i)];
-    return i;
-  };
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    const int parent = links_[i].plan.parent;
-    const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
-    root[i] = inside ? find(parent) : int(i);
-  }
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (!links_[i].plan.shadow) continue;
-    has_loops_ = true;
-    const int a = find(int(i)), b = find(body_link(links_[i].plan.body));
-    root[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-  // Coupled joints are of one component, so that a coupling is one row of one side.
-  for (const Coupling& coupling : model_->couplings) {
-    const int first = coupled_link(coupling.removed ? -1 : coupling.joint);
-    for (const CouplingTerm& term : coupling.terms) {
-      const int other = coupled_link(term.joint);
-      if (first < 0 || other < 0) continue;
-      const int a = find(first), b = find(other);
-      root[std::size_t(std::max(a, b))] = std::min(a, b);
+    const Link& link = links_[i];
+    has_loops_ = has_loops_ || link.plan.shadow;
+    if (link.component < 0) continue;
+    if (link.component == int(components_.size())) {
+      Component& c = components_.emplace_back();
+      c.links.first = int(i);
+      c.speeds.first = link.first_u;
     }
+    Component& c = components_.back();
+    ++c.links.count;
+    c.speeds.count += link.nu;
   }
-
-  std::vector<int> component_of(links_.size(), -1);
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link& link = links_[i];
-    if (link.kinematic) continue;
-    int& number = component_of[std::size_t(find(int(i)))];
-    if (number < 0) {
-      number = int(components_.size());
-      components_.emplace_back();
-    }
-    Component& c = components_[std::size_t(number)];
-    link.component = number;
-    c.links.push_back(int(i));
-  }
-  int offset = 0;
   for (Component& c : components_) {
     arrange(c);
-    c.offset = offset;
-    offset += c.size();
     c.is_free_body = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
-    c.motion.resize(std::size_t(c.size()));
+    if (!c.is_free_body) c.motion.resize(std::size_t(c.size()));
     add_rotors(c);
   }
 }
 
 void Mechanism::arrange(Component& c) const {
-  // Tree by tree, a parent before its children.
-  std::vector<int> tree_root(links_.size(), -1);
-  for (int i : c.links) {
-    const int parent = links_[std::size_t(i)].plan.parent;
-    const bool inside = parent >= 0 && !links_[std::size_t(parent)].kinematic;
-    tree_root[std::size_t(i)] = inside ? tree_root[std::size_t(parent)] : i;
-  }
-  std::stable_sort(c.links.begin(), c.links.end(), [&](int a, int b) {
-    return tree_root[std::size_t(a)] < tree_root[std::size_t(b)];
-  });
-  for (std::size_t at = 0; at < c.links.size(); ++at) {
-    const Link& link = links_[std::size_t(c.links[at])];
-    c.first.push_back(c.size());
-    c.inboard.push_back(link.plan.parent < 0 ? -1 : c.find(link.plan.parent));
-    if (c.inboard.back() < 0) c.trees.push_back({c.size(), c.size()});
+  for (const int i : c.links) {
+    const Link& link = links_[std::size_t(i)];
+    const int first = link.first_u - c.speeds.first;
+    c.first.push_back(first);
+    c.inboard.push_back(c.find(link.plan.parent));
+    if (c.inboard.back() < 0) c.trees.push_back({first, first});
     c.tree.push_back(int(c.trees.size()) - 1);
-    for (int k = 0; k < link.nu; ++k) c.speeds.push_back(link.first_u + k);
-    c.trees.back().end = c.size();
+    c.trees.back().end = first + link.nu;
   }
   for (int i : c.links) {
     const PlannedLink& plan = links_[std::size_t(i)].plan;
@@ -153,11 +113,6 @@ void Mechanism::arrange(Component& c) const {
     weld.end = std::max(a.end, b.end);
     c.welds.push_back(weld);
   }
-}
-
-int Mechanism::coupled_link(int joint) const {
-  const int link = joint < 0 ? -1 : joint_link(joint);
-  return link >= 0 && !links_[std::size_t(link)].kinematic ? link : -1;
 }
 
 void Mechanism::add_rotors(Component& c) const {

@@ -42,6 +42,7 @@ class Mechanism {
   int body_link(int body) const { return body < 0 ? -1 : plan_.body_link[std::size_t(body)]; }
   int joint_link(int joint) const { return plan_.joint_link[std::size_t(joint)]; }
   std::vector<Component>& components() { return components_; }
+  const std::vector<Component>& components() const { return components_; }
   bool has_loops() const { return has_loops_; }
   /// u index of an axis of a joint; -1: the joint moves nothing. Not for ball and free joints.
   int axis_speed(int joint, int axis) const;
@@ -79,10 +80,8 @@ class Mechanism {
  private:
   Link make_link(const PlannedLink& plan) const;
   void make_components();
-  // Order, trees and welds of the links of a component.
+  // Trees and welds of a component.
   void arrange(Component& component) const;
-  // The link whose speed is that of a joint; -1: it moves nothing.
-  int coupled_link(int joint) const;
   void add_rotors(Component& component) const;
   // Least changes, in the norm of the mass matrix, that close the loops; see loops.h.
   void close_coordinates();

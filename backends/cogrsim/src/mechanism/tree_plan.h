@@ -19,9 +19,11 @@ struct PlannedLink {
   /// its share of mass and inertia, and is welded to the body's own link.
   bool shadow = false;
   double share = 1.0;  ///< of the body's mass and inertia
+  int component = -1;  ///< of those that forces move, see components.h; -1: kinematic
 };
 
 struct TreePlan {
+  /// Kinematic ones, then component by component, tree by tree, a parent before its children.
   std::vector<PlannedLink> links;
   std::vector<int> body_link;   ///< (nbody); -1: fixed or removed
   std::vector<int> joint_link;  ///< link that the joint carries (njoint); -1: moves nothing

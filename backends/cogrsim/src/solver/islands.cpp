@@ -165,7 +165,7 @@ void Island::place_rows(const std::vector<Component>& all, std::vector<int>& sta
       if (at < 0) {
         const Component& c = all[std::size_t(row.component[s])];
         at = int(speeds.size());
-        for (int k = 0; k < c.size(); ++k) speeds.push_back(c.offset + k);
+        for (const int u : c.speeds) speeds.push_back(u);
         components.push_back(&c);
       }
       row.at[s] = at;

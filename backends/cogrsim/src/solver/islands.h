@@ -63,7 +63,7 @@ Eigen::Vector4d load_shares(const Eigen::Vector4d& loads, int count);
 class Island : public RowSet {
  public:
   std::vector<const Component*> components;
-  std::vector<int> speeds;  ///< of each speed, where it is in arrays over all components
+  std::vector<int> speeds;  ///< of each speed, its u index
   std::vector<double> v;    ///< change of the speeds
   std::vector<double> p;    ///< displacement; empty: none
 
@@ -74,7 +74,7 @@ class Island : public RowSet {
   void solve_velocities(const SolverOptions& options, double h);
   /// Position stage, after the other: fills `p`, and the gaps in the rows. `h` [s]: the step.
   void solve_positions(const SolverOptions& options, double h);
-  /// Of the rows with a gap, from displacements over all components.
+  /// Of the rows with a gap, from displacements by u index.
   void measure_gap_changes(const double* displacement);
 
  private:

@@ -124,15 +124,14 @@ int RowBuilder::slot_count(const SceneModel& model) {
 }
 
 int RowBuilder::local_of(int component, int speed) const {
-  const std::vector<int>& speeds = mechanism_.components()[std::size_t(component)].speeds;
-  return int(std::find(speeds.begin(), speeds.end(), speed) - speeds.begin());
+  return speed - mechanism_.components()[std::size_t(component)].speeds.first;
 }
 
 double RowBuilder::along(const Row& row, const double* v) const {
   double sum = 0.0;
   for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
     const double* const j = row.j(s);
-    const double* const x = v + mechanism_.components()[std::size_t(row.component[s])].offset;
+    const double* const x = v + mechanism_.components()[std::size_t(row.component[s])].speeds.first;
     for (int k = 0; k < row.size[s]; ++k) sum += j[k] * x[k];
   }
   return sum;

@@ -157,7 +157,7 @@ inline std::size_t end_of_pair(const std::vector<ContactRows>& contacts, std::si
 struct StepContext {
   double h = 0.0;  ///< length of the step [s]
   double bounce_threshold = 0.05;
-  const double* u = nullptr;           ///< speeds, over all components
+  const double* u = nullptr;           ///< speeds
   const double* start_udot = nullptr;  ///< estimate that led to the middle, likewise
   const double* udot = nullptr;        ///< smooth, at the middle, likewise
   const Values* start_q = nullptr;
