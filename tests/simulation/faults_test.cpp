@@ -86,6 +86,21 @@ TEST_CASE("a spin that is too fast for the step is reported once", "[faults]") {
   }
 }
 
+TEST_CASE("a spin that a hit in the first step takes is reported", "[faults]") {
+  const std::string backend = GENERATE(engines());
+  ModelBuilder builder("coin");
+  builder.plane("floor");
+  const int coin =
+      builder.box("coin", Vec3(0.1, 0.1, 0.1), 1.0, Pose(Vec3(0, 0, 0.05), Quat(1, 0, 0, 0)));
+  builder.model.bodies[coin].V_WB.angular = Vec3(600.0, 0, 0);
+  auto simulation = simulate(builder.build(), backend);
+  simulation->step();
+  const auto& messages = simulation->messages();
+  CHECK(std::any_of(messages.begin(), messages.end(), [](const RunMessage& message) {
+    return message.message.find("'coin' turns by") != std::string::npos;
+  }));
+}
+
 TEST_CASE("what presses bodies into each other is reported once", "[faults]") {
   const std::string backend = GENERATE(engines());
   // A block on two cubes: a hundred thousand times their mass is more than sweeps or stops carry.

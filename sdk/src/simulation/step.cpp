@@ -113,6 +113,7 @@ RunStatus Simulation::Impl::step() {
   };
   devices.follow_signals(*this);
   forces.apply(host, clock, channels, *this);
+  limits.check(host, clock, log);
   const StepResult result =
       host.step(clock.time(), clock.dt(), devices.make_drives(), wants_accelerations());
   cached.reset();
@@ -130,7 +131,6 @@ RunStatus Simulation::Impl::step() {
     return status;
   }
   clock.advance();
-  limits.check(host, clock, log);
   events.process(host, devices.sensors(), *this);
   show_frame();
   events.clear();
