@@ -266,10 +266,9 @@ class Policy final : public cogrsim::Controller {
       if (gains_ && motors_[i].mode() == cogrsim::MotorMode::torque) {
         value = a.kind == PolicyActionKind::velocity ? a.kd[i] * (target_[i] - speed)
                                                      : a.kp[i] * (target_[i] - q) - a.kd[i] * speed;
-        if (!a.effort_limit.empty())
-          value = std::clamp(value, -a.effort_limit[i], a.effort_limit[i]);
-      } else if (a.kind == PolicyActionKind::torque && !a.effort_limit.empty()) {
-        value = std::clamp(value, -a.effort_limit[i], a.effort_limit[i]);
+        value = a.limited(i, value, speed);
+      } else if (a.kind == PolicyActionKind::torque) {
+        value = a.limited(i, value, speed);
       }
       motors_[i].set(value);
     }

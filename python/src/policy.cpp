@@ -387,8 +387,7 @@ Array efforts(PyPolicy& self, const py::object& targets, const py::object& measu
       double value = a.kind == PolicyActionKind::velocity
                          ? a.kd[k] * (target - speed[k])
                          : a.kp[k] * (target - q[k]) - a.kd[k] * speed[k];
-      if (!a.effort_limit.empty()) value = std::clamp(value, -a.effort_limit[k], a.effort_limit[k]);
-      *to++ = value;
+      *to++ = a.limited(k, value, speed[k]);
     }
   }
   return out;
@@ -584,14 +583,13 @@ Raises CompileError (.diagnostics): the card or its sizes are wrong; Error: the 
           "period", [](const PolicyPtr& s) { return card_of(*s, "period").period; },
           "Time between decisions [s]")
       .def_property_readonly(
-          "command", [](const PolicyPtr& s) { return card_of(*s, "command").command; }, "Of the card")
+          "command", [](const PolicyPtr& s) { return card_of(*s, "command").command; },
+          "Of the card")
       .def_property_readonly(
-          "inputs",
-          [](const PolicyPtr& s) { return shapes_of(s->network->inputs()); },
+          "inputs", [](const PolicyPtr& s) { return shapes_of(s->network->inputs()); },
           "Shapes of the network's inputs by name, for one world")
       .def_property_readonly(
-          "outputs",
-          [](const PolicyPtr& s) { return shapes_of(s->network->outputs()); },
+          "outputs", [](const PolicyPtr& s) { return shapes_of(s->network->outputs()); },
           "Shapes of its outputs by name")
       .def_property_readonly(
           "metadata",

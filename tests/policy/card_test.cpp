@@ -58,6 +58,10 @@ const std::vector<Bad> kBad = {
     {"kp: 40, kd: 2", "kp: 40 40 40, kd: 2", "CG1506", 19, 53, "3 entries for 2 joints"},
     {"  - joint-velocities\n", "", "CG1506", 10, 3, "joint-positions 2 + last-action 2"},
     {"[elbow, wrist]", "[elbow]", "CG1506", 0, 0, ""},
+    {"kd: 2}", "kd: 2, stall-effort: 5 N*m}", "CG1504", 19, 3, "no-load-speed"},
+    {"kd: 2}", "kd: 2, no-load-speed: 5 rad/s}", "CG1504", 19, 3, "stall-effort"},
+    {"kd: 2}", "kd: 2, stall-effort: 5 N*m, no-load-speed: 0 rad/s}", "CG1503", 0, 0, "above 0"},
+    {"kd: 2}", "kd: 2, stall-effort: 5 m, no-load-speed: 1 rad/s}", "CG1503", 0, 0, ""},
     {"kp: 40, kd: 2", "", "CG1507", 7, 10, "positions"},
     {"0.1 -0.2 rad", "0.1 -3 rad", "CG1508", 8, 15, "limits"},
 };

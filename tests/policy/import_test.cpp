@@ -121,6 +121,8 @@ scene:
         class_type: isaaclab.actuators.actuator_pd:DCMotor
         joint_names_expr: [elb.*]
         effort_limit: 20.0
+        saturation_effort: 25.0
+        velocity_limit: {.*: 8.0}
         stiffness: {.*bow: 40.0}
         damping: 2.0
       lower:
@@ -141,7 +143,7 @@ terminations:
 
 constexpr const char* kIsaacCard = R"(# From Isaac Lab's IO descriptors.
 # base-linear-velocity: Isaac Lab's is that of the base's centre of mass, the card's that of its origin.
-# effort-limit: of a DCMotor, whose limit falls with its speed; the card's does not.
+# effort-limit: 1 of 2 joints have a DCMotor, whose limit falls with its speed, and 1 say how far; in a card all do, or none.
 policy: 1
 robot: arm.scene.xml
 base: trunk
@@ -187,7 +189,7 @@ observations:
 )";
 
 constexpr const char* kDeployCard = R"(# From deploy.yaml of unitree_rl_lab.
-# effort-limit: of a DCMotor, whose limit falls with its speed; the card's does not.
+# effort-limit: 1 of 2 joints have a DCMotor, whose limit falls with its speed, and 1 say how far; in a card all do, or none.
 policy: 1
 robot: arm.scene.xml
 base: trunk
@@ -365,6 +367,26 @@ TEST_CASE("the configuration of a script of unitree_rl_gym becomes a card", "[im
   const auto found = checked(folder, out.card);
   INFO(dsl::to_text(found));
   CHECK(found.empty());
+}
+
+TEST_CASE("the curves of Isaac Lab's DC motors become those of the card", "[import]") {
+  const PolicyFolder folder;
+  folder.write("io.yaml", kIsaac);
+  folder.write(
+      "env.yaml",
+      replaced(
+          kEnvironment, "actuator_pd:ImplicitActuator",
+          "actuator_pd:DCMotor\n        saturation_effort: 18.0\n        velocity_limit: 9.0"));
+  folder.write("net16.onnx", network_of(16));
+  const Imported out = import_of(folder, {"io.yaml", "env.yaml"},
+                                 {{"robot", "arm.scene.xml"},
+                                  {"network", "net16.onnx"},
+                                  {"base", "trunk"},
+                                  {"actions.clip", "-1.6 2.8"}});
+  INFO(dsl::to_text(out.found));
+  CHECK_THAT(out.card, Contains("  stall-effort: [18, 25]\n  no-load-speed: [9, 8]\n"));
+  CHECK_THAT(out.card, !Contains("DCMotor"));
+  CHECK(checked(folder, out.card).empty());
 }
 
 TEST_CASE("Isaac Lab's descriptors become a card", "[import]") {

@@ -112,6 +112,30 @@ TEST_CASE("a policy is given what its card says, and drives in every step", "[ru
   }
 }
 
+TEST_CASE("a policy's torque is what the curves of its motors leave", "[run]") {
+  const PolicyFolder folder;
+  const auto simulation =
+      start(folder, with("kp: 40, kd: 2",
+                         "kp: 400, kd: 2, effort-limit: 2 N*m, stall-effort: 3 100 N*m, "
+                         "no-load-speed: 2 1000 rad/s"));
+  int fast = 0, braking = 0;
+  for (int step = 0; step < 500; ++step) {
+    const FramePtr before = simulation->frame();
+    REQUIRE(simulation->step() == RunStatus::running);
+    const double v = before->state.joint_velocities[0];
+    const double effort = simulation->frame()->state.motor_efforts[0];
+    const double left = std::max(0.0, std::min(2.0, 3.0 * (1.0 - std::abs(v) / 2.0)));
+    INFO(step << " " << v << " " << effort);
+    CHECK(std::abs(effort) <= 2.0 + 1e-6);
+    if (effort * v > 0.0) CHECK(std::abs(effort) <= left + 1e-6);
+    // The curve is what limits, and only on the side of the motion.
+    fast += effort * v > 0.0 && left < 1.9 && std::abs(effort) > left - 1e-6 ? 1 : 0;
+    braking += effort * v < 0.0 && std::abs(effort) > left + 0.05 ? 1 : 0;
+  }
+  CHECK(fast > 0);
+  CHECK(braking > 0);
+}
+
 TEST_CASE("a delay of the actions holds targets back by that time", "[run]") {
   const PolicyFolder folder;
   // 3 steps of the physics; the network is constant.

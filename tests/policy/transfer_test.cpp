@@ -2,6 +2,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
+#include <iterator>
+
 #include "../cli/process.h"
 #include "policy_support.h"
 
@@ -87,6 +90,37 @@ TEST_CASE("a robot that falls is a result, and a run without one is named", "[tr
   CHECK_THAT(given_up.out, Contains("seed 7, cogrsim: timeout: took longer than"));
   CHECK_THAT(given_up.out, Contains("0 of 0"));
 }
+
+#ifdef COGRSIM_TEST_RENDERER
+TEST_CASE("the report shows a run of each row over time", "[transfer]") {
+  const PolicyFolder folder;
+  const std::string report = folder.path("arm.html");
+  const auto written = [&](const std::string& pictures) {
+    const Outcome outcome =
+        transfer(folder, {"--seeds", "3,4", "--commands", "0.5 0 0.1; 0 0 0", "--pictures",
+                          pictures, "--report", report, "--overwrite"});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    std::ifstream in(report);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const auto count = [](const std::string& text, const std::string& what) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1))
+      ++found;
+    return found;
+  };
+  const std::string page = written("4");
+  CHECK(count(page, "<div class=\"strip\">") == 2);
+  CHECK(count(page, "src=\"data:image/jpeg;base64,/9j/") == 8);
+  for (const char* time : {"0.0 s", "0.8 s", "1.7 s", "2.5 s"})
+    CHECK(count(page, std::string("<figcaption>") + time) == 2);
+  CHECK_THAT(page, Contains("cogrsim, command 0.5 0 0.1") && Contains("seed 3"));
+  CHECK(page.size() < 500'000);
+  CHECK(count(written("0"), "<div class=\"strip\">") == 0);
+  CHECK(transfer(folder, {"--seeds", "1", "--pictures", "13", "--report", report}).status == 2);
+}
+#endif
 
 TEST_CASE("what is varied reaches card and robot", "[transfer]") {
   const PolicyFolder folder;

@@ -10,6 +10,7 @@
 #include "cogrsim/core/random.h"
 #include "common/progress.h"
 #include "common/quantities.h"
+#include "policy/filmstrip.h"
 #include "policy/policy_watch.h"
 #include "sweep/sweep_case.h"
 
@@ -208,10 +209,14 @@ Json run_policy_case(const Json& input) {
     simulation.send(SetState{disturbed_start(scene, *options.seed, simulation.frame()->state)});
   PolicyWatch watch(scene, simulation, command);
   Trace trace(scene, input.value("trace", -1.0), simulation.dt());
+  std::optional<StripCamera> camera;
+  if (const int pictures = std::clamp(input.value("pictures", 0), 0, kMostPictures); pictures > 0)
+    camera.emplace(scene, pictures, duration);
   const bool fell_at_once = watch.see(*simulation.frame());
   const Observation observation =
       simulation.observe(PolicyWatch::contents(), [&](const FramePtr& frame) {
         trace.see(*frame);
+        if (camera) camera->see(frame);
         if (watch.see(*frame)) simulation.stop();
       });
   const auto began = std::chrono::steady_clock::now();
@@ -227,6 +232,7 @@ Json run_policy_case(const Json& input) {
   const bool stood = !measured.fell && status == RunStatus::completed;
   result["measures"] = measures_json(measured, stood);
   for (const PolicyMeasure& measure : kPolicyMeasures) result["units"][measure.name] = measure.unit;
+  if (camera) result["strip"] = camera->develop();
   if (input.contains("trace")) {
     result["terms"] = trace.terms;
     result["trace"] = trace.rows;

@@ -26,7 +26,8 @@ inline constexpr PolicyMeasure kPolicyMeasures[] = {{"stood", "1"},
 
 /// Runs a case whose scene is a card and whose parameters are PolicySettings; with `change` further ones,
 /// "friction=0.5; step=1 ms". With `trace` [s] the result has what the robot's sensors would have at each
-/// decision up to then, and the names of these numbers as `terms`.
+/// decision up to then, and the names of these numbers as `terms`; with `pictures` a `strip` of so many, see
+/// StripCamera.
 Json run_policy_case(const Json& input);
 
 /// "0.5 0 0" as numbers. Errors: one is none.

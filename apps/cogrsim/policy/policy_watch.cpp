@@ -66,13 +66,13 @@ void PolicyWatch::efforts(const Frame& frame, double dt) {
     const Joint& joint = scene_.model->joints[static_cast<std::size_t>(motor.joint)];
     double limit =
         std::min(motor.max_effort, joint.axes[static_cast<std::size_t>(motor.axis)].max_effort);
-    if (!scene_.card->actions.effort_limit.empty())
-      limit = std::min(limit, scene_.card->actions.effort_limit[i]);
     const double effort = frame.state.motor_efforts[index];
+    const double speed =
+        frame.state.joint_velocities[static_cast<std::size_t>(joint.speed_offset + motor.axis)];
+    limit = std::fabs(scene_.card->actions.limited(i, std::copysign(limit, effort), speed));
     samples_ += 1.0;
     if (std::fabs(effort) >= 0.999 * limit) at_limit_ += 1.0;
-    const auto speed = static_cast<std::size_t>(joint.speed_offset + motor.axis);
-    work_ += dt * std::max(0.0, effort * frame.state.joint_velocities[speed]);
+    work_ += dt * std::max(0.0, effort * speed);
   }
 }
 

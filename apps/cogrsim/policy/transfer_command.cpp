@@ -16,6 +16,7 @@
 #include "common/scene_loading.h"
 #include "common/terminal.h"
 #include "policy/explain.h"
+#include "policy/filmstrip.h"
 #include "policy/policy_case.h"
 #include "policy/transfer_table.h"
 #include "sweep/sweep_command.h"
@@ -29,6 +30,7 @@ struct TransferOptions {
   SweepOptions sweep;
   std::vector<std::string> commands;  // empty: the card's
   std::string report, json, markdown, latex;
+  int pictures = 6;  // of a row of the report
 };
 
 // A value that cannot be taken is reported now, and not as a column of failed runs.
@@ -135,7 +137,10 @@ int tell(const TransferOptions& options, const SweepPlan& plan, const std::strin
   };
   for (const auto& written :
        {write(options.report, OutputKind::html,
-              [&] { return transfer_html(plan, *table, left_out); }),
+              [&] {
+                const auto films = make_filmstrips(plan, *table, options.pictures);
+                return transfer_html(plan, *table, left_out, filmstrips_html(plan, films));
+              }),
         write(options.markdown, OutputKind::text_table,
               [&] { return formatted(TableFormat::markdown); }),
         write(options.latex, OutputKind::text_table,
@@ -261,6 +266,12 @@ std::optional<ExplainOptions> explain_from(const TransferArguments& arguments,
 
 void add_outputs(CLI::App& command, TransferOptions& o) {
   command.add_option("--report", o.report, "Write a page for a browser")->type_name("FILE.html");
+  command
+      .add_option(
+          "--pictures", o.pictures,
+          "Pictures of a run in each row of the report, at equal times; 0: none; default: 6")
+      ->type_name("N")
+      ->check(CLI::Range(0, kMostPictures));
   add_json(command, o.json, "Write the table as JSON");
   command.add_option("--markdown", o.markdown, "Write the table for a page")->type_name("FILE.md");
   command.add_option("--latex", o.latex, "Write the table for a paper")->type_name("FILE.tex");

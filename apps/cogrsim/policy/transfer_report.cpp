@@ -146,7 +146,7 @@ Json transfer_json(const SweepPlan& plan, const TransferTable& table, const std:
 }
 
 std::string transfer_html(const SweepPlan& plan, const TransferTable& table,
-                          const std::string& left_out) {
+                          const std::string& left_out, const std::string& pictures) {
   const std::string name =
       one_line(std::filesystem::path(plan.options.scene.scene).filename().string());
   std::string out = page_start(name + " on other engines");
@@ -175,7 +175,7 @@ std::string transfer_html(const SweepPlan& plan, const TransferTable& table,
                                   html_escaped(cells[i][c]));
     out += i == 0 ? "</tr></thead><tbody>\n" : "</tr>\n";
   }
-  out += "</tbody></table></div>\n" + standing_chart(plan, table);
+  out += "</tbody></table></div>\n" + standing_chart(plan, table) + pictures;
   return out + page_end();
 }
 

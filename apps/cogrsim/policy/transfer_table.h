@@ -47,7 +47,8 @@ std::vector<std::vector<std::string>> transfer_cells(const SweepPlan& plan,
                                                      const TransferTable& table,
                                                      TableFormat format = TableFormat::markdown);
 Json transfer_json(const SweepPlan& plan, const TransferTable& table, const std::string& left_out);
+/// `pictures`: what is shown of the runs, as HTML.
 std::string transfer_html(const SweepPlan& plan, const TransferTable& table,
-                          const std::string& left_out);
+                          const std::string& left_out, const std::string& pictures);
 
 }  // namespace cogrsim::cli

@@ -64,6 +64,7 @@ SceneModelPtr Builder::build() {
   start();
   spring_lengths();
   check_cameras();
+  check_delays();
   if (sink().has_errors()) return nullptr;
   // Poses of scattered objects are drawn when everything else has its pose; then the scene is built
   // with them.

@@ -193,13 +193,14 @@ class Builder {
   bool spring_ends(const Element& element, ForceModel& force);
   /// The largest effort on an axis that `subject` names: max-torque or max-force, whichever fits.
   void effort_limit(std::string_view code, const Element& element, const std::string& subject,
-                    bool turns, double& effort);
+                    bool turns, double& effort, const std::string& which = "max");
   void coupling(const Element& element);
   /// Reports each cycle of joints that follow each other.
   void coupling_cycles();
   void couple_start(const Element& element, const Coupling& coupling);
   void motor(const Element& element);
   bool motor_laws(const Element& element, Motor& motor, bool turns);
+  bool motor_curve(const Element& element, Motor& motor, bool turns);
   void target_signal(const Element& element, Motor& motor);
 
   // mazes.cpp
@@ -280,6 +281,7 @@ class Builder {
   // check_scene.cpp
   void start();
   void check_cameras();
+  void check_delays();
   void check_overlaps();
   void check_mass_ratios();
   void check_loads();

@@ -27,14 +27,15 @@ Dimension target_dimension(const SceneModel& model, const Motor& motor) {
 }
 
 void Builder::effort_limit(std::string_view code, const Element& element,
-                           const std::string& subject, bool turns, double& effort) {
-  const std::string_view right = turns ? "max-torque" : "max-force";
-  const std::string_view wrong = turns ? "max-force" : "max-torque";
+                           const std::string& subject, bool turns, double& effort,
+                           const std::string& which) {
+  const std::string right = which + (turns ? "-torque" : "-force");
+  const std::string wrong = which + (turns ? "-force" : "-torque");
   Reader r = reader(element);
   if (r.has(wrong))
     fault(code, element, wrong,
-          subject + (turns ? " turns" : " slides") + ", so it has no " + std::string(wrong))
-        .help("use " + std::string(right));
+          subject + (turns ? " turns" : " slides") + ", so it has no " + wrong)
+        .help("use " + right);
   const auto given = r.number(right);
   if (given.given()) effort = *given;
 }
@@ -75,9 +76,36 @@ void Builder::motor(const Element& element) {
   effort_limit("CG0704", element, "this axis of '" + joint.name + "'", turns, motor.max_effort);
   const auto speed = r.number("max-speed", turns ? dim::kAngularSpeed : dim::kSpeed);
   if (speed.given()) motor.max_speed = *speed;
-  if (!motor_laws(element, motor, turns)) return;
+  if (!motor_laws(element, motor, turns) || !motor_curve(element, motor, turns)) return;
   motor_elements_.push_back(&element);
   model_.motors.push_back(std::move(motor));
+}
+
+bool Builder::motor_curve(const Element& element, Motor& motor, bool turns) {
+  Reader r = reader(element);
+  const std::string stall = turns ? "stall-torque" : "stall-force", no_load = "no-load-speed";
+  effort_limit("CG0704", element, "this axis of '" + model_.joints[motor.joint].name + "'", turns,
+               motor.stall_effort, "stall");
+  const auto speed = r.number(no_load, turns ? dim::kAngularSpeed : dim::kSpeed);
+  const auto delay = r.number("delay");
+  if (speed.failed() || delay.failed()) return false;
+  motor.delay = *delay;
+  if (speed.given()) motor.no_load_speed = *speed;
+  if (r.has(stall) == r.has(no_load)) {
+    if (!r.has(stall) || motor.mode != MotorMode::dc) return true;
+    fault("CG0708", element, stall,
+          "'" + stall +
+              "' belongs to other modes: the torque of a DC motor falls with its speed by "
+              "'ke' and 'resistance'")
+        .help("delete '" + stall + "' and '" + no_load + "', or mode=\"dc\"");
+    return false;
+  }
+  const std::string& given = r.has(stall) ? stall : no_load;
+  fault("CG0608", element, given,
+        "'" + given + "' has no effect without '" + (r.has(stall) ? no_load : stall) + "'")
+      .help("a curve has both ends: " + stall + "=\"" + (turns ? "3 N*m" : "30 N") +
+            "\" no-load-speed=\"" + (turns ? "20 rad/s" : "2 m/s") + "\"");
+  return false;
 }
 
 bool Builder::motor_laws(const Element& element, Motor& motor, bool turns) {

@@ -177,6 +177,15 @@ void Builder::check_cameras() {
   }
 }
 
+void Builder::check_delays() {
+  for (const UnusableDelay& it : unusable_delays(model_, model_.physics.step)) {
+    const auto at = static_cast<std::size_t>(it.index);
+    fault("CG0716", *(it.motor ? motor_elements_ : sensor_elements_)[at],
+          it.motor ? "delay" : "latency", it.error.message)
+        .help(it.error.hint);
+  }
+}
+
 void Builder::sensor(const Element& element) {
   SensorModel sensor;
   sensor.name = element.path;
@@ -186,6 +195,7 @@ void Builder::sensor(const Element& element) {
   Reader r = reader(element);
   sensor.rate = *r.number("rate");
   rates_.push_back({&element, sensor.rate});
+  sensor.latency = *r.number("latency");
   sensor.enabled = *r.boolean("enabled");
   sensor.show = *r.boolean("show");
   bool good = !note(element).faulty && noise(element, "noise", 0, sensor.noise);

@@ -530,6 +530,9 @@ class MjcfWriter {
     double target = m.target.value_or(0.0);
     if (!m.target_signal.empty())
       tree_.left_out(m.origin, "target-signal of " + element, "MJCF has no targets over time");
+    if (m.stall_effort < kInfinity)
+      tree_.left_out(m.origin, "curve of " + element, "MJCF limits efforts at all speeds alike");
+    if (m.delay > 0.0) tree_.left_out(m.origin, "delay of " + element, "it is not written");
     const std::string name = tree_.unique_name("actuator", m.name);
     // effort = gain * control + b1 q + b2 u.
     const auto general = [&](double gain, double b1, double b2) {
@@ -680,10 +683,10 @@ class MjcfWriter {
       }
       written_.insert(i);
       const std::string element = fmt::format("{} '{}'", s.type, s.name);
-      if (s.noise.empty() && s.rate == 0.0)
+      if (s.noise.empty() && s.rate == 0.0 && s.latency == 0.0)
         tree_.exact(s.origin, element);
       else
-        tree_.approximate(s.origin, element, "its rate and noise are left out");
+        tree_.approximate(s.origin, element, "its rate, latency and noise are left out");
     }
     xml_.end();
   }

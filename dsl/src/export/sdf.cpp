@@ -434,8 +434,8 @@ class SdfWriter {
     }
     xml_.end();
     written_.insert(&s);
-    if (!s.noise.empty())
-      tree_.approximate(s.origin, element, "its noise is left out");
+    if (!s.noise.empty() || s.latency > 0.0)
+      tree_.approximate(s.origin, element, "its noise and latency are left out");
     else if (s.type == "infrared")
       tree_.approximate(s.origin, element, "is a lidar with one ray");
     else

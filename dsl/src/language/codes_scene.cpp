@@ -134,6 +134,14 @@ std::vector<CodeInfo> scene_codes() {
        "coupling puts it.",
        "bad:  <couple joint=\"a\" to=\"b c\" ratio=\"2\"/>\n"
        "good: <couple joint=\"a\" to=\"b c\" ratio=\"2 -1\"/>"},
+      {"CG0716", error, "a delay that cannot be kept",
+       "The delay of a motor or the latency of a sensor is not from 0 s to 10 s, or so many "
+       "targets, "
+       "values or pixels are under way in it that they would fill the memory: the limits are "
+       "100,000 "
+       "targets and 10 million values or pixels.",
+       "Make it shorter, lower the sensor's rate or resolution, or take longer steps.",
+       "bad:  <physics step=\"1 us\"/> <motor … delay=\"1 s\"/>\ngood: <motor … delay=\"20 ms\"/>"},
       {"CG0715", error, "a buoyancy without volume",
        "The body has no shape with a volume, so it displaces nothing.",
        "Name a body with solid shapes; planes, heightmaps and open meshes have no volume.",

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/model/scene_model.h"
 #include "cogrsim/model/shapes.h"
 #include "language/vocabulary.h"
 

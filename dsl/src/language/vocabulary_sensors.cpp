@@ -13,6 +13,10 @@ AttributeSpec noise_terms(std::string_view name, std::vector<Dimension> dimensio
 
 Attributes sensing(std::vector<Dimension> noise) {
   return {at_least(number("rate", kFrequency, "Readings per second; 0: one every step.", "0"), 0.0),
+          between(number("latency", kTime,
+                         "From a measurement to its delivery; the first is delivered at once.",
+                         "0 s"),
+                  0.0, kLongestDelay),
           noise_terms("noise", std::move(noise),
                       "Terms applied in order: normal(mean, sigma) uniform(low, high) "
                       "bias(offset) dropout(probability) quantisation(step) bias-walk(sigma)."),

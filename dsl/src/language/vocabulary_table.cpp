@@ -95,6 +95,18 @@ Attributes drive() {
              above_zero(number("max-torque", kTorque, "Largest torque, for a rotational axis.")),
              above_zero(number("max-force", kForce, "Largest force, for a translational axis.")),
              above_zero(either("max-speed", {kAngularSpeed, kSpeed}, "Largest speed.")),
+             above_zero(number("stall-torque", kTorque,
+                               "Torque at rest of a motor whose torque falls linearly with its "
+                               "speed, for a rotational axis; not in mode dc.")),
+             above_zero(number("stall-force", kForce,
+                               "As stall-torque, for a translational axis.")),
+             above_zero(either("no-load-speed", {kAngularSpeed, kSpeed},
+                               "Speed at which nothing is left of it in the direction of motion.")),
+             between(number("delay", kTime,
+                            "From a target to its effect; until the first has come, that of the "
+                            "start holds.",
+                            "0 s"),
+                     0.0, kLongestDelay),
              target("min-target", "Least target: one below it is taken as this."),
              target("max-target", "Largest target: one above it is taken as this."),
              attr("target-signal", Kind::text,

@@ -104,9 +104,11 @@ void add_tests(std::vector<ElementSpec>& out) {
            "com.y com.z, friction restitution rolling-friction spinning-friction (of its "
            "shapes), and without joints x y z; of an assembly x y z; of a material the same "
            "four of surfaces; of a joint damping friction stiffness rotor-inertia max-effort; "
-           "of a motor max-effort max-speed, of a servo kp ki kd, too; of a spring stiffness "
+           "of a motor max-effort max-speed delay, with a curve stall-effort no-load-speed, of a "
+           "servo "
+           "kp ki kd, too; of a spring stiffness "
            "damping, of a drag linear quadratic angular, of a buoyancy density "
-           "level, of a wind x y z; of a sensor noise-sigma.")),
+           "level, of a wind x y z; of a sensor noise-sigma latency.")),
        distribution("by",
                     "Factor: uniform(low, high) normal(mean, sigma) loguniform(low, high) "
                     "choice(a, b, c). A number that gives an impossible value is drawn again."),

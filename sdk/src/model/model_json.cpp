@@ -97,14 +97,15 @@ void fields(Io& io, Coupling& x) {
 
 template <class Io>
 void fields(Io& io, Motor& x) {
-  auto& [name, joint, axis, mode, max_effort, max_speed, response, kp, ki, kd, kt, ke, resistance,
-         gear, max_voltage, max_current, target, min_target, max_target, target_signal, assembly,
-         removed, origin] = x;
+  auto& [name, joint, axis, mode, max_effort, max_speed, response, stall_effort, no_load_speed,
+         delay, kp, ki, kd, kt, ke, resistance, gear, max_voltage, max_current, target, min_target,
+         max_target, target_signal, assembly, removed, origin] = x;
   io("name", name)("joint", joint)("axis", axis)("mode", mode)("max_effort", max_effort);
   io("max_speed", max_speed)("response", response)("kp", kp)("ki", ki)("kd", kd)("kt", kt);
   io("ke", ke)("resistance", resistance)("gear", gear)("max_voltage", max_voltage);
   io("max_current", max_current)("target", target)("min_target", min_target);
   io("max_target", max_target)("target_signal", target_signal);
+  io("stall_effort", stall_effort)("no_load_speed", no_load_speed)("delay", delay);
   io("assembly", assembly)("removed", removed)("origin", origin);
 }
 
@@ -129,10 +130,11 @@ void fields(Io& io, NoiseTerm& x) {
 
 template <class Io>
 void fields(Io& io, SensorModel& x) {
-  auto& [name, type, body, X_BS, joint, rate, enabled, show, noise, parameters, assembly, removed,
-         origin] = x;
+  auto& [name, type, body, X_BS, joint, rate, latency, enabled, show, noise, parameters, assembly,
+         removed, origin] = x;
   io("name", name)("type", type)("body", body)("X_BS", X_BS)("joint", joint)("rate", rate);
-  io("enabled", enabled)("show", show)("noise", noise)("parameters", parameters);
+  io("latency", latency)("enabled", enabled)("show", show)("noise", noise)("parameters",
+                                                                           parameters);
   io("assembly", assembly)("removed", removed)("origin", origin);
 }
 

@@ -27,6 +27,19 @@ double motor_max_speed(const SceneModel& model, const Motor& motor) {
   return axis ? std::min(motor.max_speed, axis->max_speed) : motor.max_speed;
 }
 
+EffortLimits limits_on_curve(double stall_effort, double no_load_speed, double most, double speed) {
+  const auto left = [&](double along) {
+    return std::clamp(stall_effort * (1.0 - along / no_load_speed), 0.0, most);
+  };
+  return {left(speed), left(-speed)};
+}
+
+EffortLimits effort_limits(const SceneModel& model, const Motor& motor, double speed) {
+  const double most = motor_max_effort(model, motor);
+  if (!has_curve(motor)) return {most, most};
+  return limits_on_curve(motor.stall_effort, motor.no_load_speed, most, speed);
+}
+
 double clamp_target(const SceneModel& model, const Motor& motor, double target) {
   target = std::max(motor.min_target, std::min(target, motor.max_target));
   switch (motor.mode) {

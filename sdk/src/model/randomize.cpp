@@ -7,6 +7,7 @@
 #include "cogrsim/core/random.h"
 #include "cogrsim/model/joint_kinematics.h"
 #include "core/index.h"
+#include "model/motor_limits.h"
 
 namespace cogrsim {
 namespace {
@@ -19,6 +20,7 @@ struct Bounds {
   double high = std::numeric_limits<double>::infinity();
   bool above = false;
 };
+constexpr Bounds kDelay{0.0, kLongestDelay, false};
 constexpr Bounds kPositive{0.0, std::numeric_limits<double>::infinity(), true};
 constexpr Bounds kNotNegative{0.0};
 
@@ -275,6 +277,11 @@ class Collector {
     };
     number("max-effort", &Motor::max_effort, dim::kTorque, dim::kForce, kPositive);
     number("max-speed", &Motor::max_speed, dim::kAngularSpeed, dim::kSpeed, kPositive);
+    if (has_curve(motor)) {
+      number("stall-effort", &Motor::stall_effort, dim::kTorque, dim::kForce, kPositive);
+      number("no-load-speed", &Motor::no_load_speed, dim::kAngularSpeed, dim::kSpeed, kPositive);
+    }
+    number("delay", &Motor::delay, dim::kTime, dim::kTime, kDelay);
     if (motor.mode != MotorMode::servo) return;
     number("kp", &Motor::kp, dim::kAngularStiffness, dim::kStiffness, kNotNegative);
     number("ki", &Motor::ki, dim::kAngularIntegralGain, dim::kIntegralGain, kNotNegative);
@@ -309,6 +316,7 @@ class Collector {
 
   void sensor(std::size_t i) {
     const SensorModel& sensor = model_.sensors[i];
+    member("latency", dim::kTime, kDelay, &SceneModel::sensors, i, &SensorModel::latency);
     if (!has(sensor.name, "noise-sigma")) return;
     std::vector<double> values;
     for (const NoiseTerm& term : sensor.noise) {

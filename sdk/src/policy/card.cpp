@@ -11,6 +11,7 @@
 #include "cogrsim/core/constants.h"
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/core/shown_text.h"
+#include "model/motor_limits.h"
 #include "policy/yaml_text.h"
 
 namespace cogrsim {
@@ -281,9 +282,10 @@ class Reader {
                   "write \"actions: {kind: position, scale: 0.5}\"");
       return;
     }
-    yaml_.check_keys(
-        node, {"kind", "scale", "offset", "clip", "kp", "kd", "effort-limit", "delay", "law"},
-        "actions");
+    yaml_.check_keys(node,
+                     {"kind", "scale", "offset", "clip", "kp", "kd", "effort-limit", "stall-effort",
+                      "no-load-speed", "delay", "law"},
+                     "actions");
     const YAML::Node kind = yaml_.required(node, "kind", "kind: position, velocity or torque");
     if (const auto word = yaml_.word(kind, "kind")) {
       const std::vector<std::string> kinds = {"position", "velocity", "torque"};
@@ -336,13 +338,21 @@ class Reader {
           "drives towards positions have kp and kd, or neither: then they are the robot's");
     if (velocity && !a.kp.empty())
       yaml_.error(node["kp"], "CG1502", "drives towards velocities have kd only");
-    if (const auto limit =
-            per_joint(node["effort-limit"], {dim::kTorque, dim::kForce}, "effort-limit")) {
-      a.effort_limit = *limit;
-      if (std::any_of(limit->begin(), limit->end(), [](double x) { return x <= 0.0; }))
-        yaml_.error(node["effort-limit"], "CG1503", "effort-limit is above 0");
-    }
-    place("actions.effort-limit", node["effort-limit"]);
+    const auto limit = [&](const char* key, const std::vector<units::Dimension>& dimensions,
+                           std::vector<double>& out) {
+      if (const auto values = per_joint(node[key], dimensions, key)) {
+        out = *values;
+        if (std::any_of(out.begin(), out.end(), [](double x) { return !(x > 0.0); }))
+          yaml_.error(node[key], "CG1503", fmt::format("{} is above 0", key));
+      }
+      place(fmt::format("actions.{}", key), node[key]);
+    };
+    limit("effort-limit", {dim::kTorque, dim::kForce}, a.effort_limit);
+    limit("stall-effort", {dim::kTorque, dim::kForce}, a.stall_effort);
+    limit("no-load-speed", {dim::kAngularSpeed, dim::kSpeed, dim::kNone}, a.no_load_speed);
+    if (a.stall_effort.empty() != a.no_load_speed.empty())
+      yaml_.required(node, a.stall_effort.empty() ? "stall-effort" : "no-load-speed",
+                     "a curve has both ends: stall-effort and no-load-speed");
     a.delay = seconds(node["delay"], "delay");
     place("actions.law", node["law"]);
     if (const auto law = yaml_.word(node["law"], "law")) {
@@ -541,6 +551,14 @@ class Reader {
 }  // namespace
 
 const char* to_string(PolicyTerm term) { return kTerms[static_cast<std::size_t>(term)]; }
+
+double PolicyActions::limited(std::size_t i, double effort, double speed) const {
+  const double most = effort_limit.empty() ? kInfinity : effort_limit[i];
+  const EffortLimits left = stall_effort.empty()
+                                ? EffortLimits{most, most}
+                                : limits_on_curve(stall_effort[i], no_load_speed[i], most, speed);
+  return std::clamp(effort, -left.backward, left.forward);
+}
 
 std::size_t PolicyObservation::width(std::size_t joints) const {
   switch (term) {

@@ -16,8 +16,9 @@ constexpr const char* kOrder[] = {
     "output",           "state",        "rate",     "step",    "joints",  "default-pose",
     "observation-clip", "observations", "actions",  "command", "fallen"};
 
-constexpr const char* kActions[] = {"kind", "scale",        "offset", "clip", "kp",
-                                    "kd",   "effort-limit", "delay",  "law"};
+constexpr const char* kActions[] = {
+    "kind",         "scale",        "offset",        "clip",  "kp", "kd",
+    "effort-limit", "stall-effort", "no-load-speed", "delay", "law"};
 
 // Lines of at most 100 columns, broken behind spaces; those that follow are indented.
 std::string wrapped(const std::string& line, std::size_t indent) {

@@ -554,15 +554,17 @@ class IsaacReader {
   void gains(const YAML::Node& at, std::size_t count) {
     if (kind_ == "torque" || kind_.empty() || count == 0) return;
     Numbers effort(count, 0.0);
+    stall_.assign(count, 0.0);
+    no_load_.assign(count, 0.0);
     kp_.resize(count, 0.0);
     kd_.resize(count, 0.0);
     if (env_)
-      for (std::size_t i = 0; i < joints_.size(); ++i)
-        actuator(joints_[i], kp_[i], kd_[i], effort[i]);
-    std::size_t limp = 0, limited = 0;
+      for (std::size_t i = 0; i < joints_.size(); ++i) actuator(i, kp_[i], kd_[i], effort[i]);
+    std::size_t limp = 0, limited = 0, curves = 0;
     for (std::size_t i = 0; i < count; ++i) {
       limp += kp_[i] == 0.0 && kd_[i] == 0.0 ? 1u : 0u;
       limited += effort[i] > 0.0 ? 1u : 0u;
+      curves += stall_[i] > 0.0 && no_load_[i] > 0.0 ? 1u : 0u;
     }
     if (limp == count) {
       const std::string why =
@@ -574,13 +576,24 @@ class IsaacReader {
             "--set actions.kp=80 or a list per joint; ~ for the robot's own servos");
       ask(draft_, yaml_, at, "actions.kd", why, "--set actions.kd=2 or a list; ~ likewise");
     } else if (limp > 0) {
-      const std::string why = fmt::format("{} of {} joints have no gains in the files", limp, count);
+      const std::string why =
+          fmt::format("{} of {} joints have no gains in the files", limp, count);
       if (kind_ == "position")
         ask(draft_, yaml_, at, "actions.kp", why, "--set 'actions.kp=[…]', one for each joint");
       ask(draft_, yaml_, at, "actions.kd", why, "--set 'actions.kd=[…]', one for each joint");
     } else {
       if (kind_ == "position") draft_.actions.set("kp", value_text(kp_));
       draft_.actions.set("kd", value_text(kd_));
+    }
+    if (curves == count) {
+      draft_.actions.set("stall-effort", value_text(stall_));
+      draft_.actions.set("no-load-speed", value_text(no_load_));
+    } else if (falling_ > 0) {
+      draft_.comments.push_back(
+          fmt::format("effort-limit: {} of {} joints have a DCMotor, whose limit falls with its "
+                      "speed, and {} say "
+                      "how far; in a card all do, or none.",
+                      falling_, count, curves));
     }
     if (limited == count)
       draft_.actions.set("effort-limit", value_text(effort));
@@ -622,7 +635,8 @@ class IsaacReader {
     return 0.0;
   }
 
-  void actuator(const std::string& joint, double& kp, double& kd, double& effort) {
+  void actuator(std::size_t index, double& kp, double& kd, double& effort) {
+    const std::string& joint = joints_[index];
     const YAML::Node all = child(child(child(env_->root(), "scene"), "robot"), "actuators");
     if (is_null(all) || !all.IsMap() || all.size() > 200) return;
     for (const auto& entry : all) {
@@ -641,6 +655,11 @@ class IsaacReader {
       }
       effort = value_of(child(entry.second, "effort_limit"), joint);
       if (effort == 0.0) effort = value_of(child(entry.second, "effort_limit_sim"), joint);
+      if (last_name(scalar(child(entry.second, "class_type"))) == "DCMotor") {
+        stall_[index] = value_of(child(entry.second, "saturation_effort"), joint);
+        no_load_[index] = value_of(child(entry.second, "velocity_limit"), joint);
+        ++falling_;
+      }
       const std::string name = scalar(entry.first);
       if (std::find(seen_.begin(), seen_.end(), name) != seen_.end()) return;
       seen_.push_back(name);
@@ -656,9 +675,6 @@ class IsaacReader {
              fmt::format("the actuators were networks ({}), which a card does not have",
                          one_line(type)),
              "give gains that come near: --set actions.kp=…", "actions.kp");
-    if (type == "DCMotor")
-      draft_.comments.push_back(
-          "effort-limit: of a DCMotor, whose limit falls with its speed; the card's does not.");
     if (type == "RemotizedPDActuator")
       draft_.comments.push_back(
           "effort-limit: of a RemotizedPDActuator; the card has no such table.");
@@ -701,7 +717,8 @@ class IsaacReader {
   CardDraft& draft_;
   std::vector<std::string> joints_, seen_;
   SourcePosition joints_at_;
-  Numbers pose_, kp_, kd_, offset_;
+  Numbers pose_, kp_, kd_, offset_, stall_, no_load_;
+  std::size_t falling_ = 0;  // joints with a DCMotor
   std::string kind_;
   std::size_t commands_ = 0;
   static constexpr int kMostTries = 20000;

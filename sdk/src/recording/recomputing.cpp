@@ -60,8 +60,9 @@ class Reader {
       const bool due = timers_[i].due(from->time, to.dt);
       if (due) timers_[i].advance(from->time, to.dt);
       const std::uint64_t before = i < from->readings.size() ? from->readings[i].sequence : 0;
-      // A sensor was enabled at that time if it has a reading.
-      if (due) suite_.enable(i, to.readings[i].sequence > before);
+      // A sensor was enabled at that time if it has a reading; with a latency that comes later.
+      const bool late = model_->sensors[i].latency > 0.0;
+      if (due) suite_.enable(i, late ? to.readings[i].enabled : to.readings[i].sequence > before);
     }
     if (suite_.begin(from->time, to.dt)) {
       sensing_.show(seen_by_sensors(from, to.model));

@@ -64,6 +64,7 @@ std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint
     Slot slot;
     for (Diagnostic& d : make(*model, i, loader, slot)) found.push_back(std::move(d));
     slot.noise = description.noise;
+    slot.latency = description.latency;
     slot.random = RandomStream(seed, description.name);
     slot.memory.timer = RateTimer(description.rate);
     slot.memory.enabled = description.enabled;
@@ -90,6 +91,12 @@ std::optional<FrameContents> SensorSuite::begin(double time, double dt) {
   FrameContents needed;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
+    std::deque<Reading>& waiting = slot.memory.in_flight;
+    // A boundary counts as reached up to a millionth of a step earlier, as for rates.
+    while (!waiting.empty() && waiting.front().time + slot.latency <= time + 1e-6 * dt) {
+      slot.memory.reading = std::move(waiting.front());
+      waiting.pop_front();
+    }
     if (!slot.sensor || !slot.memory.timer.due(time, dt)) continue;
     slot.memory.timer.advance(time, dt);
     if (!slot.memory.enabled) continue;
@@ -104,7 +111,17 @@ std::vector<SensorFault> SensorSuite::read(SensorContext& context) {
   std::vector<SensorFault> faults;
   for (const std::size_t i : due_) {
     Slot& slot = slots_[i];
-    Reading& reading = slot.memory.reading;
+    std::deque<Reading>& waiting = slot.memory.in_flight;
+    if (slot.latency > 0.0 && slot.memory.reading.sequence > 0) {
+      Reading next;
+      const Reading& newest = waiting.empty() ? slot.memory.reading : waiting.back();
+      next.sensor = newest.sensor;
+      next.time = newest.time;
+      next.sequence = newest.sequence;
+      next.enabled = true;
+      waiting.push_back(std::move(next));
+    }
+    Reading& reading = waiting.empty() ? slot.memory.reading : waiting.back();
     const double period = reading.sequence == 0 ? 0.0 : now_ - reading.time;
     reading.values.assign(slot.channels->size(), 0.0);
     reading.picture.reset();
@@ -149,7 +166,9 @@ std::shared_ptr<const SensorChannels> SensorSuite::channels() const {
 void SensorSuite::enable(std::size_t sensor, bool on) {
   SensorMemory& memory = slots_[sensor].memory;
   memory.enabled = memory.reading.enabled = on;
-  if (!on) memory.reading.valid = false;
+  if (on) return;
+  memory.reading.valid = false;
+  memory.in_flight.clear();
 }
 
 void SensorSuite::retire(std::size_t sensor) {
@@ -161,6 +180,7 @@ void SensorSuite::retire(std::size_t sensor) {
   channels_.reset();
   free(slot.noise);
   free(slot.memory.walk);
+  free(slot.memory.in_flight);
   free(slot.memory.reading.values);
   free(slot.memory.reading.contacts);
   slot.memory.reading.picture.reset();

@@ -3,6 +3,7 @@
 // readings.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,7 +25,8 @@ struct SensorMemory {
   bool complained = false;  ///< its last measurement failed, and the error was reported
   std::uint64_t random = 0;
   std::vector<double> walk;
-  Reading reading;
+  Reading reading;                ///< the latest one delivered
+  std::deque<Reading> in_flight;  ///< measured but not delivered yet, by time
 };
 
 /// A failed measurement of a sensor.
@@ -52,11 +54,12 @@ class SensorSuite {
   void clear() { cut(0); }
   std::size_t size() const { return slots_.size(); }
 
-  /// Determines the sensors that are due at `time` [s] and returns the frame contents that they
+  /// Delivers the readings whose latency has passed, determines the sensors that are due at `time` [s] and returns the frame contents that they
   /// need, or nullopt if none is due. `dt` is the duration of the next step [s]. Must be called
   /// once in every step, followed by read(); the timers of disabled sensors advance, too.
   std::optional<FrameContents> begin(double time, double dt);
-  /// Applies the sensors that are due to context.frame() and adds their noise. Returns the failed
+  /// Applies the sensors that are due to context.frame() and adds their noise. The first reading of a
+  /// sensor is delivered at once, as it has been at rest before the start. Returns the failed
   /// measurements; consecutive failures of a sensor are returned only once.
   std::vector<SensorFault> read(SensorContext& context);
 
@@ -92,6 +95,7 @@ class SensorSuite {
         std::make_shared<const std::vector<Channel>>();
     FrameContents needs;
     std::vector<NoiseTerm> noise;
+    double latency = 0.0;
     RandomStream random{0, ""};
     SensorMemory memory;  ///< `random` is current only in save()
   };

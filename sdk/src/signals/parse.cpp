@@ -235,9 +235,10 @@ class Parser {
     if (const int joint = find_joint(model_, full); joint >= 0)
       return of_joint(joint, quantity, text);
     if (const int motor = find_named(model_.motors, full); motor >= 0) {
-      if (quantity == "effort") return motor_term(text, model_, motor);
+      if (quantity == "effort" || quantity == "target")
+        return motor_term(text, model_, motor, quantity == "target");
       return Parsed(no_quantity(fmt::format("motor '{}'", full), quantity,
-                                std::array<const char*, 1>{"effort"}));
+                                std::array<const char*, 2>{"effort", "target"}));
     }
     if (const int sensor = find_named(model_.sensors, full); sensor >= 0)
       return of_sensor(sensor, quantity, text);

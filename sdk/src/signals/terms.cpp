@@ -85,11 +85,11 @@ struct JointTerm final : Signal::Node {
 
 struct MotorTerm final : Signal::Node {
   int index = -1;
+  bool target = false;
 
   double value(const Frame& frame) const override {
-    return present(frame.model->motors, index) && at(index) < frame.state.motor_efforts.size()
-               ? frame.state.motor_efforts[at(index)]
-               : kNaN;
+    const std::vector<double>& all = target ? frame.motor_targets : frame.state.motor_efforts;
+    return present(frame.model->motors, index) && at(index) < all.size() ? all[at(index)] : kNaN;
   }
 };
 
@@ -274,13 +274,21 @@ SignalNode joint_term(std::string text, const Joint& joint, int index, int quant
   return term;
 }
 
-SignalNode motor_term(std::string text, const SceneModel& model, int index) {
+SignalNode motor_term(std::string text, const SceneModel& model, int index, bool target) {
   const Motor& motor = model.motors[at(index)];
+  const bool turns = axis_turns(model.joints[at(motor.joint)].type, motor.axis);
+  const auto unit = [&] {
+    if (target && motor.mode == MotorMode::dc) return "V";
+    if (target && motor.mode == MotorMode::velocity) return turns ? "rad/s" : "m/s";
+    if (target && motor.mode != MotorMode::torque) return turns ? "rad" : "m";
+    return turns ? "N*m" : "N";
+  };
   auto term = std::make_shared<MotorTerm>();
   term->text = std::move(text);
-  term->unit = axis_turns(model.joints[at(motor.joint)].type, motor.axis) ? "N*m" : "N";
-  term->quantity = "effort";
+  term->unit = unit();
+  term->quantity = target ? "target" : "effort";
   term->index = index;
+  term->target = target;
   return term;
 }
 

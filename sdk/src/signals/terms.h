@@ -34,7 +34,8 @@ SignalNode time_term();
 SignalNode pose_term(std::string text, const SignalPose& pose, int quantity);
 /// `quantity` is an index into kJointQuantities.
 SignalNode joint_term(std::string text, const Joint& joint, int index, int quantity, int entry);
-SignalNode motor_term(std::string text, const SceneModel& model, int index);
+/// `target`: the one that acted; else the effort.
+SignalNode motor_term(std::string text, const SceneModel& model, int index, bool target);
 /// `channel` -1: unknown, always NaN.
 SignalNode sensor_term(std::string text, int index, int channel, std::string name,
                        std::string unit);

@@ -1,6 +1,7 @@
 // Commands, applied at a step boundary in the order of their arrival.
 #include <cmath>
 
+#include "cogrsim/sensing/sensor_models.h"
 #include "core/index.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
@@ -76,6 +77,8 @@ void Simulation::Impl::apply(Command& command) {
                             [&](SetStep& c) -> Result<> {
                               if (!(c.dt >= kShortestStep) || !std::isfinite(c.dt))
                                 return fail("the step must be at least 1e-9 s");
+                              const auto found = unusable_delays(*host.model(), c.dt);
+                              if (!found.empty()) return tl::unexpected(found.front().error);
                               clock.set_dt(c.dt);
                               return {};
                             },

@@ -164,6 +164,13 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
     const Error& error = buried.error;
     found.push_back(diagnose(impl->model(), sensor.origin, error.message, error.code, error.hint));
   }
+  for (const UnusableDelay& it : unusable_delays(impl->model(), impl->model().physics.step)) {
+    const auto at = static_cast<std::size_t>(it.index);
+    const SourceSpan& origin =
+        it.motor ? impl->model().motors[at].origin : impl->model().sensors[at].origin;
+    found.push_back(
+        diagnose(impl->model(), origin, it.error.message, it.error.code, it.error.hint));
+  }
   // Controllers are configured even if the world could not be built, to report all errors at once.
   for (Diagnostic& d : impl->build_all()) found.push_back(std::move(d));
   if (std::any_of(found.begin(), found.end(), is_error)) return Failure(std::move(found));

@@ -64,6 +64,7 @@ void DeviceManager::stop(const std::vector<int>& motors) {
 const std::vector<Drive>& DeviceManager::make_drives() {
   const SceneModel& model = *host_.model();
   if (!model.motors.empty()) {
+    take_targets(model, clock_.time(), clock_.dt(), motors_);
     cogrsim::make_drives(model, host_.state(), clock_.dt(), motors_, drives_);
   }
   return drives_;

@@ -50,7 +50,7 @@ Drive torque_drive(double effort, double max_speed, double max_effort) {
 
 Drive servo_drive(const Motor& motor, MotorState& state, double q, double last_effort, double dt,
                   double max_speed, double max_effort) {
-  double error = state.target - q;
+  double error = state.acting - q;
   // Anti-windup by conditional integration: the integral does not grow while the drive is saturated
   // in the direction of the error.
   const bool saturated = std::abs(last_effort) >= max_effort * (1.0 - 1e-9);
@@ -78,7 +78,44 @@ Drive dc_drive(const Motor& motor, double voltage, double max_effort) {
   return drive;
 }
 
+/// Of a motor with a speed-torque curve: the limit on the side where the effort of this step will be,
+/// as a Drive has one for both. `wanted` has the sign of the effort that the state asks for, 0 where
+/// the load decides about it; then the motor goes on as in the last step. Where it was on the other
+/// side than the state asks for, the smaller limit holds, so that no more than one step in a row has
+/// an effort beyond the curve.
+double limit_of_step(const EffortLimits& limits, double wanted, double last) {
+  const double sign = wanted == 0.0 ? last : wanted;
+  if (sign * last < 0.0) return std::min(limits.forward, limits.backward);
+  return sign >= 0.0 ? limits.forward : limits.backward;
+}
+
+/// The sign of the effort that brings a joint from `speed` to `target`; 0 within a hundredth of the
+/// no-load speed, where the load decides.
+double towards(double target, double speed, const Motor& motor) {
+  const double difference = target - speed;
+  return std::abs(difference) <= 0.01 * motor.no_load_speed ? 0.0 : difference;
+}
+
 }  // namespace
+
+void take_targets(const SceneModel& model, double time, double dt,
+                  std::vector<MotorState>& motors) {
+  for (std::size_t i = 0; i < model.motors.size(); ++i) {
+    MotorState& state = motors[i];
+    const double delay = model.motors[i].delay;
+    const double newest = state.waiting.empty() ? state.acting : state.waiting.back().target;
+    if (delay <= 0.0) {
+      state.acting = state.target;
+      continue;
+    }
+    if (state.target != newest) state.waiting.push_back({time + delay, state.target});
+    // A boundary counts as reached up to a millionth of a step earlier, as for rates.
+    while (!state.waiting.empty() && state.waiting.front().time <= time + 1e-6 * dt) {
+      state.acting = state.waiting.front().target;
+      state.waiting.pop_front();
+    }
+  }
+}
 
 MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
   MotorState state;
@@ -86,7 +123,7 @@ MotorState initial_motor_state(const SceneModel& model, const Motor& motor) {
   const auto axis = static_cast<std::size_t>(motor.axis);
   const bool holds = motor.mode == MotorMode::position || motor.mode == MotorMode::servo;
   const double start = holds && axis < joint.position.size() ? joint.position[axis] : 0.0;
-  state.target = clamp_target(model, motor, motor.target.value_or(start));
+  state.target = state.acting = clamp_target(model, motor, motor.target.value_or(start));
   return state;
 }
 
@@ -97,27 +134,36 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
     const Motor& motor = model.motors[i];
     drives[i] = Drive{};
     if (motor.removed) continue;
-    const double max_effort = motor_max_effort(model, motor);
+    double max_effort = motor_max_effort(model, motor);
     const double max_speed = motor_max_speed(model, motor);
     const double q = state.joint_positions[motor_position_index(model, motor)];
-    const double target = motors[i].target;
+    const double speed = state.joint_velocities[motor_speed_index(model, motor)];
+    const double last = i < state.motor_efforts.size() ? state.motor_efforts[i] : 0.0;
+    const double target = motors[i].acting;
     const JointAxis* axis = axis_of(model, motor);
+    const auto on_curve = [&](double wanted, double before) {
+      if (has_curve(motor))
+        max_effort = limit_of_step(effort_limits(model, motor, speed), wanted, before);
+      return max_effort;
+    };
     switch (motor.mode) {
       case MotorMode::velocity:
-        drives[i] = velocity_drive(target, max_effort);
+        drives[i] = velocity_drive(target, on_curve(towards(target, speed, motor), last));
         break;
       case MotorMode::torque:
-        drives[i] = torque_drive(target, max_speed, max_effort);
+        drives[i] = torque_drive(target, max_speed, on_curve(target, target));
         break;
       case MotorMode::position: {
         // First-order approach; a time constant below one step would overshoot.
         const double rate = (target - q) / std::max(motor.response, dt);
-        drives[i] = velocity_drive(clamp_to(rate, max_speed), max_effort);
+        const double wanted = clamp_to(rate, max_speed);
+        drives[i] = velocity_drive(wanted, on_curve(towards(wanted, speed, motor), last));
         break;
       }
       case MotorMode::servo: {
-        const double last = i < state.motor_efforts.size() ? state.motor_efforts[i] : 0.0;
-        drives[i] = servo_drive(motor, motors[i], q, last, dt, max_speed, max_effort);
+        const double wanted =
+            motor.kp * (target - q) + motor.ki * motors[i].integral - motor.kd * speed;
+        drives[i] = servo_drive(motor, motors[i], q, last, dt, max_speed, on_curve(wanted, last));
         break;
       }
       case MotorMode::dc:

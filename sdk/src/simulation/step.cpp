@@ -50,6 +50,8 @@ FramePtr Simulation::Impl::frame_with(const FrameContents& contents) {
   frame->contents.joint_reactions = reactions != nullptr;
   if (reactions) reactions->get_joint_reactions(frame->joint_reactions);
   devices.sensors().copy_readings(frame->readings);
+  frame->motor_targets.clear();
+  for (const MotorState& motor : devices.motors()) frame->motor_targets.push_back(motor.acting);
   frame->channels = devices.sensors().channels();
   frame->events = events.events();
   controllers.copy_outputs(frame->controller_outputs);

@@ -8,10 +8,11 @@
 // | BODY.friction .restitution .rolling-friction .spinning-friction| its shapes                 |
 // | MATERIAL.friction and so on                                    | shapes of this material    |
 // | JOINT.damping .friction .stiffness .rotor-inertia .max-effort  | all axes of the joint      |
-// | MOTOR.max-effort .max-speed .kp .ki .kd                        |                            |
+// | MOTOR.max-effort .max-speed .delay .kp .ki .kd                 |                            |
+// | MOTOR.stall-effort .no-load-speed                              | with these                 |
 // | SPRING.stiffness .damping, DRAG.linear .quadratic .angular     |                            |
 // | BUOYANCY.density .level, WIND.x .y .z                          |                            |
-// | SENSOR.noise-sigma                                             | its normal noise terms     |
+// | SENSOR.noise-sigma, SENSOR.latency                             | its normal noise terms     |
 #pragma once
 
 #include <functional>

@@ -23,6 +23,8 @@
 
 namespace cogrsim {
 
+/// Largest Motor::delay and SensorModel::latency [s].
+inline constexpr double kLongestDelay = 10.0;
 inline constexpr int kWorld = -1;  ///< as a body index
 
 enum class BodyKind {
@@ -135,8 +137,8 @@ struct Joint {
   bool bodies_collide = false;  ///< parent and child collide with each other
   /// Engine-specific options by engine name: `<NAME …/>` inside the joint.
   std::map<std::string, Parameters> engine_options;
-  int position_offset = 0;      ///< index of the first coordinate in the flat array of all q
-  int speed_offset = 0;         ///< index of the first speed in the flat array of all u
+  int position_offset = 0;  ///< index of the first coordinate in the flat array of all q
+  int speed_offset = 0;     ///< index of the first speed in the flat array of all u
   int assembly = -1;
   bool removed = false;
   SourceSpan origin;
@@ -179,6 +181,11 @@ struct Motor {
   double max_effort = std::numeric_limits<double>::infinity();
   double max_speed = std::numeric_limits<double>::infinity();
   double response = 0.05;  ///< position mode: time constant [s], > 0
+  /// Speed-torque curve of all modes but dc: in the direction of motion no more effort than
+  /// stall_effort (1 - |speed| / no_load_speed), see docs/guide/concepts.md. Both infinite: none.
+  double stall_effort = std::numeric_limits<double>::infinity();   ///< [N m] or [N], > 0
+  double no_load_speed = std::numeric_limits<double>::infinity();  ///< [rad/s] or [m/s], > 0
+  double delay = 0.0;  ///< from a target to its effect [s], 0 to kLongestDelay
   /// Servo gains: effort per coordinate, per integral of the coordinate, and per speed.
   double kp = 0.0, ki = 0.0, kd = 0.0;
   // DC motor model: the effort at the joint is gear * kt * current.
@@ -256,9 +263,10 @@ struct SensorModel {
   std::string name;  ///< dotted
   std::string type;  ///< "camera", "encoder", … (see built_in_sensors()), or a plugin's type
   int body = kWorld;
-  Pose X_BS;          ///< pose in the body; the viewing direction is +x, and z is up
-  int joint = -1;     ///< index into SceneModel::joints, for encoder and force-torque sensors
-  double rate = 0.0;  ///< measurements per second [Hz]; 0: one in every step
+  Pose X_BS;             ///< pose in the body; the viewing direction is +x, and z is up
+  int joint = -1;        ///< index into SceneModel::joints, for encoder and force-torque sensors
+  double rate = 0.0;     ///< measurements per second [Hz]; 0: one in every step
+  double latency = 0.0;  ///< from a measurement to its delivery [s], 0 to kLongestDelay
   bool enabled = true;
   bool show = false;  ///< draw the sensor's rays
   std::vector<NoiseTerm> noise;

@@ -29,7 +29,7 @@ using SensorChannels = std::vector<std::shared_ptr<const std::vector<Channel>>>;
 struct Reading {
   int sensor = -1;             ///< index into SceneModel::sensors
   double time = 0.0;           ///< time of the measured frame [s]
-  std::uint64_t sequence = 0;  ///< number of measurements of this sensor so far; 0: none yet
+  std::uint64_t sequence = 0;  ///< number of its delivered measurements; 0: none yet
   bool valid = false;          ///< false: no measurement yet, switched off, or dropped out
   std::vector<double> values;  ///< in the order and units of Sensor::channels()
   std::shared_ptr<const Picture> picture;  ///< of a camera, see cogrsim/rendering/renderer.h
@@ -122,8 +122,11 @@ struct Frame {
   /// in the same way for all engines.
   std::vector<Twist> accelerations;
   std::vector<Contact> contacts;
-  std::vector<Wrench> joint_reactions;             ///< (njoint), see JointReactions
-  std::vector<Reading> readings;                   ///< latest measurement of every sensor (nsensor)
+  std::vector<Wrench> joint_reactions;  ///< (njoint), see JointReactions
+  std::vector<Reading> readings;        ///< latest measurement of every sensor (nsensor)
+  /// Target of every motor that acted in the last step, as old as its delay, in its unit (nmotor);
+  /// empty in older recordings.
+  std::vector<double> motor_targets;
   std::shared_ptr<const SensorChannels> channels;  ///< of the readings; nullptr: unknown
   std::vector<Event> events;                       ///< of this step
   /// Latest values that the controllers published, in the order of their `outputs`; NaN: none yet.

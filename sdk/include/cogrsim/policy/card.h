@@ -71,7 +71,11 @@ struct PolicyActions : SourcePosition {
   /// torque = kp (target - q) - kd q', or kd (target - q') for velocities; empty: the robot's own drives.
   std::vector<double> kp, kd;
   std::vector<double> effort_limit;  ///< of that torque; empty: that of the motor
-  double delay = 0.0;                ///< between the decision and the target [s]
+  /// Of motors whose torque falls with their speed, see Motor::stall_effort; both empty: of none.
+  std::vector<double> stall_effort, no_load_speed;
+  double delay = 0.0;  ///< between the decision and the target [s]
+  /// The torque that is left of `effort` at the joint's `speed` [rad/s] or [m/s] of motor i.
+  COGRSIM_API double limited(std::size_t i, double effort, double speed) const;
   bool per_decision =
       false;  ///< the drive law runs once per decision, and its torque holds until the next
 };

@@ -28,6 +28,16 @@ COGRSIM_API RangeLimits range_limits(const SensorModel& sensor);
 COGRSIM_API Result<RenderRequest> camera_request(const SceneModel& model, const SensorModel& sensor,
                                                  const WorldState& state);
 
+/// A motor or sensor whose delay or latency cannot be: not from 0 to kLongestDelay, or with more
+/// targets, values or pixels in flight than memory is kept for.
+struct UnusableDelay {
+  bool motor = false;
+  int index = -1;  ///< into SceneModel::motors or SceneModel::sensors
+  Error error;     ///< CG0716, without a source location
+};
+/// All of a scene with steps of `step` [s].
+COGRSIM_API std::vector<UnusableDelay> unusable_delays(const SceneModel& model, double step);
+
 /// A camera whose optical centre is inside a visible shape of another body at time 0. A camera may
 /// be inside the body that carries it, because it does not see that body.
 struct BuriedCamera {

@@ -154,6 +154,7 @@ void FrameEncoder::frame(std::string& bytes, const Frame& frame, std::uint32_t m
   };
   put_outputs(18, frame.model->controllers, frame.controller_outputs);
   put_outputs(19, frame.model->supervisors, frame.supervisor_outputs);
+  put_doubles(out, 20, frame.motor_targets);
 }
 
 Result<FrameRecord> take_frame(std::string_view bytes) {
@@ -229,6 +230,9 @@ Result<FrameRecord> take_frame(std::string_view bytes) {
       case 19:
         record.supervisor_outputs = take_doubles(in);
         break;
+      case 20:
+        frame.motor_targets = take_doubles(in);
+        break;
       default:
         in.skip();
     }
@@ -281,6 +285,7 @@ Result<> check_frame(const FrameRecord& record, const SceneModel& model) {
               fits(state.joint_velocities, model.joint_speeds) &&
               fits(state.joint_efforts, model.joint_speeds) &&
               fits(state.motor_efforts, model.motors.size()) &&
+              fits(frame.motor_targets, model.motors.size(), true) &&
               fits(frame.accelerations, model.bodies.size(), true) &&
               fits(frame.joint_reactions, model.joints.size(), true) &&
               fits(record.readings, model.sensors.size()) &&

@@ -88,14 +88,27 @@ void put_world(const Simulation::Impl& from, const WorldState& state, Json& cont
   content["twists_before"] = std::move(before);
 }
 
+Json reading_json(const Reading& reading) {
+  return {{"time", number(reading.time)},
+          {"sequence", reading.sequence},
+          {"valid", reading.valid},
+          {"pose", reading.pose ? pose(*reading.pose) : Json()},
+          {"values", numbers(reading.values)}};
+}
+
 void put_devices(const Simulation::Impl& from, const WorldState& state, Json& content) {
   const SceneModel& model = from.model();
   const DeviceManager::Saved devices = from.devices.save();
   Json motors = Json::object(), sensors = Json::object();
   for (std::size_t i = 0; i < model.motors.size(); ++i) {
     if (model.motors[i].removed) continue;
+    Json waiting = Json::array();
+    for (const DelayedTarget& it : devices.motors[i].waiting)
+      waiting.push_back(Json::array({number(it.time), number(it.target)}));
     motors[model.motors[i].name] = {{"mode", to_string(model.motors[i].mode)},
                                     {"target", number(devices.motors[i].target)},
+                                    {"acting", number(devices.motors[i].acting)},
+                                    {"waiting", std::move(waiting)},
                                     {"integral", number(devices.motors[i].integral)},
                                     {"follows", devices.motors[i].follows},
                                     {"effort", number(state.motor_efforts[i])}};
@@ -103,19 +116,19 @@ void put_devices(const Simulation::Impl& from, const WorldState& state, Json& co
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     if (model.sensors[i].removed) continue;
     const SensorMemory& memory = devices.sensors[i];
-    sensors[model.sensors[i].name] = {
-        {"type", model.sensors[i].type},
-        {"rate", model.sensors[i].rate},
-        {"ticks", memory.timer.next()},
-        {"enabled", memory.enabled},
-        {"complained", memory.complained},
-        {"random", memory.random},
-        {"walk", numbers(memory.walk)},
-        {"time", number(memory.reading.time)},
-        {"sequence", memory.reading.sequence},
-        {"valid", memory.reading.valid},
-        {"pose", memory.reading.pose ? pose(*memory.reading.pose) : Json()},
-        {"values", numbers(memory.reading.values)}};
+    Json one = reading_json(memory.reading), in_flight = Json::array();
+    // Pictures are not in a snapshot, and a reading without its picture is none.
+    for (const Reading& reading : memory.in_flight)
+      if (!reading.picture) in_flight.push_back(reading_json(reading));
+    one["type"] = model.sensors[i].type;
+    one["rate"] = model.sensors[i].rate;
+    one["ticks"] = memory.timer.next();
+    one["enabled"] = memory.enabled;
+    one["complained"] = memory.complained;
+    one["random"] = memory.random;
+    one["walk"] = numbers(memory.walk);
+    one["in_flight"] = std::move(in_flight);
+    sensors[model.sensors[i].name] = std::move(one);
   }
   content["motors"] = std::move(motors);
   content["sensors"] = std::move(sensors);

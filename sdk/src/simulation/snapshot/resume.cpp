@@ -161,6 +161,14 @@ class Resumption {
         continue;
       }
       devices.motors[i].target = clamp_target(model, motor, number_from(saved.at("target")));
+      // Older files do not have the rest. Without its delay a motor takes the target at once.
+      if (saved.contains("acting")) {
+        devices.motors[i].acting = clamp_target(model, motor, number_from(saved.at("acting")));
+        if (motor.delay > 0.0)
+          for (const Json& it : saved.at("waiting"))
+            devices.motors[i].waiting.push_back(
+                {number_from(it.at(0)), clamp_target(model, motor, number_from(it.at(1)))});
+      }
       devices.motors[i].integral = number_from(saved.at("integral"));
       if (saved.contains("follows"))  // not in older files
         devices.motors[i].follows = saved.at("follows").get<bool>();
@@ -185,6 +193,15 @@ class Resumption {
     }
   }
 
+  static void take_reading(const Json& saved, Reading& reading) {
+    reading.sequence = whole_from<std::uint64_t>(saved.at("sequence"));
+    reading.values = numbers_from(saved.at("values"));
+    reading.time = number_from(saved.at("time"));
+    reading.valid = saved.at("valid").get<bool>();
+    const Json& pose = saved.value("pose", Json());  // not in older snapshots
+    if (!pose.is_null()) reading.pose = pose_from(pose);
+  }
+
   void sensors() {
     const Json& then = content_.at("sensors");
     DeviceManager::Saved devices = to_.devices.save();
@@ -206,16 +223,17 @@ class Resumption {
       memory.complained = saved.at("complained").get<bool>();
       if (same_seed_) memory.random = whole_from<std::uint64_t>(saved.at("random"));
       memory.reading.sequence = whole_from<std::uint64_t>(saved.at("sequence"));
-      const std::vector<double> values = numbers_from(saved.at("values"));
       const std::vector<double> walk = numbers_from(saved.at("walk"));
       // With other parameters the number of channels may differ.
       if (walk.size() != memory.walk.size()) continue;
       memory.walk = walk;
-      memory.reading.values = values;
-      memory.reading.time = number_from(saved.at("time"));
-      memory.reading.valid = saved.at("valid").get<bool>();
-      const Json& pose = saved.value("pose", Json());  // not in older snapshots
-      if (!pose.is_null()) memory.reading.pose = pose_from(pose);
+      take_reading(saved, memory.reading);
+      if (sensor.latency <= 0.0 || !saved.contains("in_flight")) continue;
+      for (const Json& it : saved.at("in_flight")) {
+        Reading reading = memory.reading;
+        take_reading(it, reading);
+        memory.in_flight.push_back(std::move(reading));
+      }
     }
     to_.devices.restore(devices);
     note_elements("restarts, because the snapshot does not have it: sensor",
