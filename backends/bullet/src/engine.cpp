@@ -188,7 +188,6 @@ Result<> Engine::build(const WorldState& state) {
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
     add_body(static_cast<int>(b), state);
   }
-  positions_ = state.joint_positions;
   if (!model_->couplings.empty() || has_rotors(*model_)) {
     sweeps_ = kSweeps;
     world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
@@ -278,14 +277,6 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
   return to_bt(parts_[body].X_BG.inverse() * X_BF);
 }
 
-double* Engine::count_turns(int joint) const {
-  const Joint& of = model_->joints[joint];
-  const auto pose_of = [&](int body) { return body == kWorld ? Pose() : pose(body); };
-  double* const q = positions_.data() + of.position_offset;
-  joint_position(of, relative_pose(of, pose_of(of.parent), pose_of(of.child)), q, q);
-  return q;
-}
-
 int Engine::step(double dt, const StepInput& input) {
   double spin = 0.0;
   for (const int b : kinematic_) {
@@ -301,7 +292,7 @@ int Engine::step(double dt, const StepInput& input) {
     if (!joint->has_laws() && !pushed) continue;
     joint->apply(dt, input.drives,
                  pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
-                 [&] { return count_turns(joint->joint()); });
+                 [&] { return input.coordinates(joint->joint()); });
   }
   for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
   for (std::size_t b = 0; b < input.external.size(); ++b) {  // Bullet clears them after the step
@@ -332,17 +323,8 @@ int Engine::step(double dt, const StepInput& input) {
     forget_contacts();
     return diverged;
   }
-  // Two bodies turn against each other by at most twice that; half a turn may not be missed.
-  turned_ += 2.0 * dt * std::sqrt(most);
-  if (turned_ > 2.0) count_all_turns();
+  fastest_spin_ = std::sqrt(most);
   return -1;
-}
-
-void Engine::count_all_turns() const {
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) {
-    if (!model_->joints[j].removed) count_turns(static_cast<int>(j));
-  }
-  turned_ = 0.0;
 }
 
 std::vector<Diagnostic> Engine::warnings() const {
@@ -370,17 +352,6 @@ Twist Engine::twist(int body) const {
   return out;
 }
 
-void Engine::get_joints(WorldState& out) const {
-  turned_ = 0.0;
-  for (const Joint& joint : model_->joints) {
-    if (joint.removed) continue;
-    double* const q = positions_.data() + joint.position_offset;
-    read_joint(joint, out, q, out.joint_velocities.data() + joint.speed_offset);
-    std::copy(q, q + position_count(joint.type),
-              out.joint_positions.begin() + joint.position_offset);
-  }
-}
-
 void Engine::set_state(const WorldState& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     Part& part = parts_[b];
@@ -391,8 +362,6 @@ void Engine::set_state(const WorldState& state) {
     set_motion(*part.rigid, body.kind == BodyKind::dynamic ? motion : Motion{motion.X, {}, {}});
     before_[b] = motion;
   }
-  positions_ = state.joint_positions;
-  turned_ = 0.0;
   forget_contacts();
 }
 
@@ -413,8 +382,6 @@ void Engine::sum_rows() const {
 
 void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   sum_rows();
-  joints.assign(at(model_->joint_speeds), 0.0);
-  motors.assign(model_->motors.size(), 0.0);
   for (const auto& constraint : joints_) {
     const Joint& joint = model_->joints[constraint->joint()];
     constraint->get_efforts(start_of(joint.parent), start_of(joint.child),
@@ -424,7 +391,6 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
 
 void Engine::get_reactions(std::vector<Wrench>& out) const {
   sum_rows();
-  out.assign(model_->joints.size(), Wrench());
   for (const auto& joint : joints_) {
     const std::size_t j = at(joint->joint());
     const Load load = joint->get_reaction(start_of(model_->joints[j].child));
@@ -433,31 +399,25 @@ void Engine::get_reactions(std::vector<Wrench>& out) const {
 }
 
 void Engine::get_contacts(std::vector<Contact>& out) const {
-  out.clear();
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
-    const int first = manifold.getBody0()->getUserIndex();
-    const int second = manifold.getBody1()->getUserIndex();
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
-      // On the first body, along what leads to it from the second.
+      // On Bullet's first body, along what leads to it from the second.
       const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
                                 point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                                 point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-      const bool swapped = first > second;
-      const double sign = swapped ? 1.0 : -1.0;
-      Contact contact;
-      std::tie(contact.body_a, contact.body_b) = std::minmax(first, second);
-      contact.shape_a = swapped ? point.m_partId1 : point.m_partId0;
-      contact.shape_b = swapped ? point.m_partId0 : point.m_partId1;
+      Contact& contact = out.emplace_back();
+      contact.body_a = manifold.getBody1()->getUserIndex();
+      contact.body_b = manifold.getBody0()->getUserIndex();
+      contact.shape_a = point.m_partId1;
+      contact.shape_b = point.m_partId0;
       contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
-      contact.normal = from_bt(point.m_normalWorldOnB * sign);
+      contact.normal = from_bt(point.m_normalWorldOnB);
       contact.depth = -point.getDistance();
-      contact.force = from_bt(impulse * (sign / dt_));
-      out.push_back(contact);
+      contact.force = from_bt(impulse * (1.0 / dt_));
     }
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 }  // namespace cogrsim::bullet

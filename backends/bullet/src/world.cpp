@@ -35,19 +35,9 @@ Result<> BulletWorld::restore_memory(const SceneModelPtr& model, const MemoryPtr
 
 StepResult BulletWorld::advance(double dt, const std::vector<Drive>& drives,
                                 const std::vector<double>& efforts) {
-  const int lost = engine_->step(dt, {drives, efforts, twists(), external_});
+  const int lost = engine_->step(dt, {drives, efforts, twists(), external_,
+                                      [this](int joint) { return coordinates(joint); }});
   return lost < 0 ? StepResult() : diverged(lost, "1000 km, 100 km/s");
-}
-
-void BulletWorld::read(WorldState& out) const {
-  const SceneModel& scene = *model();
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    const Body& body = scene.bodies[b];
-    if (body.removed) continue;
-    out.poses[b] = engine_->pose(static_cast<int>(b));
-    if (body.kind != BodyKind::kinematic) out.twists[b] = engine_->twist(static_cast<int>(b));
-  }
-  engine_->get_joints(out);
 }
 
 }  // namespace cogrsim::bullet

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cogrsim/physics/backend_checks.h"
+#include "convert.h"
 #include "engine.h"
 
 namespace cogrsim::bullet {
@@ -25,7 +26,12 @@ class BulletWorld final : public HostedWorld {
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override { return engine_->pose(body); }
+  Twist twist(int body) const override {
+    const bool kinematic = model()->bodies[at(body)].kind == BodyKind::kinematic;
+    return kinematic ? twists()[at(body)] : engine_->twist(body);
+  }
+  double fastest_spin() const override { return engine_->fastest_spin(); }
   Result<> write(const WorldState& state) override {
     engine_->set_state(state);
     return {};

@@ -188,25 +188,21 @@ bool Detector::collide(dart::collision::CollisionGroup* group,
 
 void Detector::report(const dart::collision::CollisionResult& result,
                       std::vector<Contact>& out) const {
-  out.clear();
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const dart::collision::Contact& found = result.getContact(i);
     if (dart::collision::Contact::isZeroNormal(found.normal)) continue;
     // DART's normal points into its first body, and its force acts on it.
-    const bool swapped = pairs_[i].first.body > pairs_[i].second.body;
-    const Geom& a = swapped ? pairs_[i].second : pairs_[i].first;
-    const Geom& b = swapped ? pairs_[i].first : pairs_[i].second;
+    const Geom &first = pairs_[i].first, &second = pairs_[i].second;
     Contact& contact = out.emplace_back();
-    contact.body_a = a.body;
-    contact.body_b = b.body;
-    contact.shape_a = a.shape;
-    contact.shape_b = b.shape;
+    contact.body_a = second.body;
+    contact.body_b = first.body;
+    contact.shape_a = second.shape;
+    contact.shape_b = first.shape;
     contact.point = found.point;
     contact.depth = found.penetrationDepth;
-    contact.normal = swapped ? found.normal : Vec3(-found.normal);
-    contact.force = swapped ? found.force : Vec3(-found.force);
+    contact.normal = found.normal;
+    contact.force = found.force;
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 }  // namespace cogrsim::dart_engine

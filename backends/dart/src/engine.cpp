@@ -334,8 +334,6 @@ Twist Engine::twist(int body) const {
 }
 
 void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.assign(static_cast<std::size_t>(model_->joint_speeds), 0.0);
-  motors.assign(model_->motors.size(), 0.0);
   if (h_ == 0.0) return;
   const auto at = [&](int joint, int axis) -> double& {
     return joints[static_cast<std::size_t>(
@@ -362,7 +360,6 @@ void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) c
 }
 
 void Engine::reactions(std::vector<Wrench>& out) const {
-  out.assign(model_->joints.size(), Wrench());
   for (std::size_t i = 0; h_ > 0.0 && i < before_.size(); ++i) {
     const Link& link = trees_.links()[i];
     if (link.joint < 0) continue;

@@ -15,7 +15,6 @@ Result<> DartWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   auto made = Engine::make(model, begin);
   if (!made) return tl::unexpected(made.error());
   engine_ = std::move(*made);
-  take_scene(begin);
   return {};
 }
 
@@ -33,7 +32,6 @@ Result<> DartWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
       if (!joint.removed && (joint.parent == b || joint.child == b)) add(joint);
   if (!hit.empty()) (*made)->trees().take_impact(begin, hit);
   engine_ = std::move(*made);
-  take_scene(begin);
   return {};
 }
 
@@ -54,69 +52,27 @@ StepResult DartWorld::advance(double dt, const std::vector<Drive>& drives,
   } catch (const std::exception& error) {
     out = {StepStatus::diverged, -1, std::string("DART: ") + error.what()};
   }
-  if (out.status != StepStatus::diverged) {
-    follow();
-    return out;
-  }
+  if (out.status != StepStatus::diverged) return out;
   engine_->set_state(before);
   engine_->forget_step();
   return out;
 }
 
-void DartWorld::read_bodies(WorldState& out) const {
-  const SceneModel& model = engine_->model();
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].removed) continue;
-    const bool still = model.bodies[b].kind == BodyKind::static_body;
-    out.poses[b] = still ? last().poses[b] : engine_->pose(static_cast<int>(b));
-    out.twists[b] = still ? Twist() : engine_->twist(static_cast<int>(b));
-  }
-}
-
-void DartWorld::read_joints(WorldState& out, const std::vector<int>& joints) const {
-  const Trees& trees = engine_->trees();
-  for (const int j : joints) {
-    const Joint& joint = engine_->model().joints[static_cast<std::size_t>(j)];
-    double* const q = out.joint_positions.data() + joint.position_offset;
-    double* const u = out.joint_velocities.data() + joint.speed_offset;
-    std::copy_n(followed_.begin() + joint.position_offset, position_count(joint.type), q);
-    const int link = trees.link_of_joint(j);
-    link >= 0 ? trees.get_joint(trees.links()[static_cast<std::size_t>(link)], q, u)
-              : read_joint(joint, out, q, u);
-  }
-}
-
-void DartWorld::read(WorldState& out) const {
-  read_bodies(out);
-  read_joints(out, joints_);
-}
-
 // Of two signs of a quaternion the one that is nearer to what it was, which a state alone does not tell.
-void DartWorld::follow() {
-  if (turning_.empty()) return;
-  WorldState now = last();
-  read_bodies(now);
-  read_joints(now, turning_);
-  followed_ = now.joint_positions;
+bool DartWorld::has_coordinates(int joint) const {
+  return engine_->trees().link_of_joint(joint) >= 0 &&
+         engine_->model().joints[static_cast<std::size_t>(joint)].type != JointType::ball;
 }
 
-void DartWorld::take_scene(const WorldState& begin) {
-  followed_ = begin.joint_positions;
-  joints_.clear();
-  turning_.clear();
-  const SceneModel& model = engine_->model();
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (model.joints[j].removed) continue;
-    joints_.push_back(static_cast<int>(j));
-    if (model.joints[j].type == JointType::ball ||
-        engine_->trees().link_of_joint(static_cast<int>(j)) < 0)
-      turning_.push_back(static_cast<int>(j));
-  }
+bool DartWorld::read_joint(int joint, double* q, double* u) const {
+  const Trees& trees = engine_->trees();
+  const int link = trees.link_of_joint(joint);
+  if (link >= 0) trees.get_joint(trees.links()[static_cast<std::size_t>(link)], q, u);
+  return link >= 0;
 }
 
 Result<> DartWorld::write(const WorldState& state) {
   engine_->trees().set_all(state);
-  followed_ = state.joint_positions;
   engine_->forget_step();
   return {};
 }
@@ -124,7 +80,6 @@ Result<> DartWorld::write(const WorldState& state) {
 HostedWorld::MemoryPtr DartWorld::save_memory() const {
   auto out = std::make_shared<Memory>();
   out->state = engine_->state();
-  out->followed = followed_;
   return out;
 }
 
@@ -134,7 +89,6 @@ Result<> DartWorld::restore_memory(const SceneModelPtr& model, const MemoryPtr& 
     if (auto made = build(model, begin); !made) return made;
   const auto& saved = static_cast<const Memory&>(*memory);
   engine_->set_state(saved.state);
-  followed_ = saved.followed;
   engine_->forget_step();
   return {};
 }

@@ -18,7 +18,6 @@ class DartWorld final : public HostedWorld {
  private:
   struct Memory final : HostedMemory {
     Engine::State state;
-    std::vector<double> followed;
   };
 
   DartWorld() = default;
@@ -29,7 +28,10 @@ class DartWorld final : public HostedWorld {
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override { return engine_->pose(body); }
+  Twist twist(int body) const override { return engine_->twist(body); }
+  bool has_coordinates(int joint) const override;
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override {
     engine_->efforts(joints, motors);
@@ -40,14 +42,7 @@ class DartWorld final : public HostedWorld {
   Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
                           const WorldState& begin) override;
 
-  void take_scene(const WorldState& begin);
-  void read_bodies(WorldState& out) const;
-  void read_joints(WorldState& out, const std::vector<int>& joints) const;
-  void follow();
-
   std::unique_ptr<Engine> engine_;
-  std::vector<int> joints_, turning_;  ///< all there are; those with a quaternion, or outside trees
-  std::vector<double> followed_;       ///< coordinates, kept up to date of `turning_`
 };
 
 }  // namespace cogrsim::dart_engine

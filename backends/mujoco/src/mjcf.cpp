@@ -386,7 +386,6 @@ Result<std::string> Writer::write() {
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
     const Joint& it = scene_.joints[j];
     if (it.removed || out_.joints[j].body >= 0) continue;
-    if (position_count(it.type) > 0) out_.followed.push_back(static_cast<int>(j));
     if (it.type == JointType::free || (grounded(it.parent) && grounded(it.child))) continue;
     if (auto fine = check_loop(it); !fine) return tl::unexpected(fine.error());
     write_equality(static_cast<int>(j));

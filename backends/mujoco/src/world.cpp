@@ -207,7 +207,6 @@ StepResult MujocoWorld::advance(double dt, const std::vector<Drive>& drives,
   stepped_ = true;
   find_responses();
   kinematics_ = Kinematics::none;
-  follow();
   return {};
 }
 

@@ -6,7 +6,6 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::ode {
 
@@ -257,26 +256,22 @@ void Engine::step(double h, unsigned long& seed) {
 }
 
 void Engine::report(std::vector<Contact>& out) const {
-  out.clear();
   for (std::size_t i = 0; i < touched_; ++i) {
     const Touch& found = touch(i);
-    const Geom *a = found.first, *b = found.second;
+    const Geom &first = *found.first, &second = *found.second;
     // ODE's normal points into its first geom; the force is on the body that it calls its first,
     // the second where the first geom has none.
-    const int pushed = a->holder ? a->body : b->body;
-    if (b->body < a->body) std::swap(a, b);
+    const Vec3 force = to_vec(found.feedback.f1);
     Contact& contact = out.emplace_back();
-    contact.body_a = a->body;
-    contact.body_b = b->body;
-    contact.shape_a = a->shape;
-    contact.shape_b = b->shape;
+    contact.body_a = second.body;
+    contact.body_b = first.body;
+    contact.shape_a = second.shape;
+    contact.shape_b = first.shape;
     contact.point = found.point;
     contact.depth = found.depth;
-    contact.normal = found.first == b ? found.normal : Vec3(-found.normal);
-    const Vec3 force = to_vec(found.feedback.f1);
-    contact.force = pushed == b->body ? force : Vec3(-force);
+    contact.normal = found.normal;
+    contact.force = first.holder ? force : Vec3(-force);
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 std::vector<int> Engine::order() const {

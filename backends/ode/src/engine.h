@@ -39,7 +39,7 @@ class Engine {
 
   bool is_iterative() const { return options_.quick; }
 
-  /// Contacts of the last step, in the order of bodies and shapes.
+  /// Contacts of the last step.
   void report(std::vector<Contact>& out) const;
   void forget_contacts() { touched_ = 0; }
 

@@ -21,10 +21,8 @@ class OdeWorld final : public HostedWorld {
   struct Progress final : HostedMemory {
     unsigned long seed = 0;
     std::vector<Motion> motions;  ///< of ODE's bodies (nbody)
-    std::vector<double> q;        ///< of joints
-    double turned = 0.0;     ///< how far anything may have turned since `q` was brought up to date
-    double h = 0.0;          ///< of the last step
-    std::vector<int> order;  ///< Engine::order(), of what is saved
+    double h = 0.0;               ///< of the last step
+    std::vector<int> order;       ///< Engine::order(), of what is saved
   };
 
   OdeWorld() = default;
@@ -35,7 +33,9 @@ class OdeWorld final : public HostedWorld {
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override;
+  Twist twist(int body) const override;
+  double fastest_spin() const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
   void read_contacts(std::vector<Contact>& out) const override { engine_->report(out); }
@@ -52,7 +52,6 @@ class OdeWorld final : public HostedWorld {
   void write_motions();
   /// The first body beyond all bounds after reading all; -1: none.
   int read_motions();
-  void update_joints();
   StepResult lost(int body, std::string what);
 
   ShapeData shapes_;

@@ -187,7 +187,6 @@ int SimbodyWorld::find_diverged(const SimTK::State& state) const {
 
 void SimbodyWorld::read_reactions(std::vector<Wrench>& out) const {
   const Mechanism& m = engine_->mechanism;
-  out.assign(model()->joints.size(), Wrench());
   if (out.empty()) return;
   m.system.realize(state(), SimTK::Stage::Acceleration);
   SimTK::Vector_<SimTK::SpatialVec> at_M;

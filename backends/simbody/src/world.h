@@ -47,10 +47,20 @@ class SimbodyWorld final : public HostedWorld {
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  void prepare_reading() const override {
+    engine_->mechanism.system.realize(state(), SimTK::Stage::Velocity);
+  }
+  Pose pose(int body) const override { return engine_->mechanism.pose(state(), body); }
+  Twist twist(int body) const override { return engine_->mechanism.twist(state(), body); }
+  bool has_coordinates(int joint) const override {
+    return engine_->mechanism.joint_link(joint) >= 0;
+  }
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
-  void read_contacts(std::vector<Contact>& out) const override { out = contacts_.get(last_dt_); }
+  void read_contacts(std::vector<Contact>& out) const override {
+    out = contacts_.get(last_dt_);
+  }
   void read_reactions(std::vector<Wrench>& out) const override;
   MemoryPtr save_memory() const override;
   Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,

@@ -105,7 +105,7 @@ SimTK::State SimbodyWorld::carried_over(const Mechanism& old, const WorldState& 
     const Joint& joint = m.model().joints[link.joint];
     double q[7], u[6];
     std::copy_n(seen.joint_positions.data() + joint.position_offset, position_count(joint.type), q);
-    read_joint(joint, seen, q, u);
+    cogrsim::read_joint(joint, seen, q, u);
     m.set_joint(next, link, q, u);
   }
   m.set_rates(next);
@@ -116,34 +116,16 @@ SimTK::State SimbodyWorld::carried_over(const Mechanism& old, const WorldState& 
   return next;
 }
 
-void SimbodyWorld::read(WorldState& out) const {
-  const SceneModel& model = *this->model();
+bool SimbodyWorld::read_joint(int joint, double* q, double* u) const {
   const Mechanism& m = engine_->mechanism;
-  const SimTK::State& now = state();
-  m.system.realize(now, SimTK::Stage::Velocity);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].removed) continue;
-    out.poses[b] = m.pose(now, int(b));
-    out.twists[b] = m.twist(now, int(b));
-  }
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    double* const q = out.joint_positions.data() + joint.position_offset;
-    double* const u = out.joint_velocities.data() + joint.speed_offset;
-    const int link = m.joint_link(int(j));
-    // Between bodies that no force moves: what their motion makes of it.
-    if (link >= 0)
-      m.get_joint(now, m.links()[link], q, u);
-    else if (!joint.removed)
-      read_joint(joint, out, q, u);
-  }
+  const int link = m.joint_link(joint);
+  if (link >= 0) m.get_joint(state(), m.links()[link], q, u);
+  return link >= 0;
 }
 
 void SimbodyWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.resize(efforts_.size());
   std::transform(efforts_.begin(), efforts_.end(), joints.begin(),
                  [&](double impulse) { return impulse / last_dt_; });
-  motors.assign(model()->motors.size(), 0.0);
   engine_->drives.get_efforts(state(), joints, motors);
   engine_->mechanism.add_coupling_efforts(state(), joints);
 }
