@@ -11,6 +11,7 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/warnings.h"
 #include "convert.h"
@@ -18,11 +19,6 @@
 namespace cogrsim::bullet {
 
 namespace {
-
-// Bounds of what may still be called a state.
-constexpr double kFarthest = 1e6;  // [m]
-constexpr double kFastest = 1e5;   // [m/s]
-constexpr double kMostSpin = 1e6;  // [rad/s]
 
 // Sweeps over the rows of joints where there are rotors or couplings, at most, and the square of the
 // change of speeds in one [rad^2/s^2] that ends them. A double pendulum with rotors of 5, 50, 250 times
@@ -121,8 +117,10 @@ Pose principal_frame(const Body& body, btVector3& moments) {
 }  // namespace
 
 Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
-                                               const OptionsPtr& options, const WorldState& state) {
-  auto out = std::unique_ptr<Engine>(new Engine(model, options));
+                                               const WorldState& state) {
+  auto options = physics_options(*model, "bullet", world_option_table());
+  if (!options) return tl::unexpected<Error>(options.error());
+  auto out = std::unique_ptr<Engine>(new Engine(model, std::move(*options)));
   if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
@@ -137,27 +135,27 @@ void Engine::make_world() {
   btDefaultCollisionConstructionInfo info;
   configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
   const int points =
-      static_cast<int>(option<std::int64_t>(*options_, "plane-convex-multipoint-iterations"));
+      static_cast<int>(value_of<std::int64_t>(options_, "plane-convex-multipoint-iterations"));
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
-  solver_ = make_solver(option<std::string>(*options_, "solver"), mlcp_, rows_);
+  solver_ = make_solver(value_of<std::string>(options_, "solver"), mlcp_, rows_);
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
   btContactSolverInfo& solver = world_->getSolverInfo();
-  solver.m_numIterations = static_cast<int>(option<std::int64_t>(*options_, "iterations"));
-  solver.m_erp = option<double>(*options_, "erp");
-  solver.m_erp2 = option<double>(*options_, "erp2");
-  solver.m_globalCfm = option<double>(*options_, "cfm");
-  solver.m_splitImpulse = option<bool>(*options_, "split-impulse");
+  solver.m_numIterations = static_cast<int>(value_of<std::int64_t>(options_, "iterations"));
+  solver.m_erp = value_of<double>(options_, "erp");
+  solver.m_erp2 = value_of<double>(options_, "erp2");
+  solver.m_globalCfm = value_of<double>(options_, "cfm");
+  solver.m_splitImpulse = value_of<bool>(options_, "split-impulse");
   solver.m_splitImpulsePenetrationThreshold =
-      option<double>(*options_, "split-impulse-penetration-threshold");
+      value_of<double>(options_, "split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
-  solver.m_warmstartingFactor = option<double>(*options_, "warm-starting-factor");
-  if (!option<bool>(*options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
-  if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2)
+  solver.m_warmstartingFactor = value_of<double>(options_, "warm-starting-factor");
+  if (!value_of<bool>(options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
+  if (static_cast<int>(value_of<std::int64_t>(options_, "friction-directions")) == 2)
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   if (surfaces_->any_moves()) {
     solver.m_solverMode |=
@@ -181,7 +179,7 @@ Result<> Engine::build(const WorldState& state) {
     Part& part = parts_[b];
     part.pose = state.poses[b];
     if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
-    auto shape = make_body_shape(*model_, body, option<double>(*options_, "margin"), part.X_BG);
+    auto shape = make_body_shape(*model_, body, value_of<double>(options_, "margin"), part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
     part.shape = std::move(*shape);
     surfaces_->set_frame(static_cast<int>(b), part.X_BG);
@@ -256,7 +254,7 @@ void Engine::add_joint(int joint) {
   };
   auto constraint = std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
-      frame_of(made.child, made.X_CM), option<double>(*options_, "cfm"));
+      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm"));
   constraint->add_to(*world_, sweeps_);
   joints_.push_back(std::move(constraint));
 }
@@ -312,10 +310,8 @@ int Engine::step(double dt, const StepInput& input) {
     const btRigidBody& body = *parts_[b].rigid;
     const double turning = body.getAngularVelocity().length2();
     most = std::max(most, turning);
-    // Written so that a NaN fails.
-    const bool fine = body.getCenterOfMassPosition().length2() < kFarthest * kFarthest &&
-                      body.getLinearVelocity().length2() < kFastest * kFastest &&
-                      turning < kMostSpin * kMostSpin;
+    const bool fine = StateBounds().hold(body.getCenterOfMassPosition().length2(),
+                                         body.getLinearVelocity().length2(), turning);
     if (!fine && diverged < 0) diverged = b;
   }
   if (diverged >= 0) {

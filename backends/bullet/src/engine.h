@@ -54,7 +54,7 @@ class Engine {
  public:
   /// The scene as it is in `state`. Errors: what Bullet cannot take, with its source position.
   static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model,
-                                                const OptionsPtr& options, const WorldState& state);
+                                                const WorldState& state);
   ~Engine();
 
   const SceneModelPtr& model() const { return model_; }
@@ -95,8 +95,8 @@ class Engine {
     btVector3 inertia{0, 0, 0};
   };
 
-  Engine(const SceneModelPtr& model, const OptionsPtr& options)
-      : options_(options), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
+  Engine(const SceneModelPtr& model, Parameters options)
+      : options_(std::move(options)), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
   Result<> build(const WorldState& state);
   void make_world();
   void add_body(int body, const WorldState& state);
@@ -113,7 +113,7 @@ class Engine {
   Motion motion_of(const Part& part, const Pose& X, const Twist& V) const;
   void sum_rows() const;
 
-  OptionsPtr options_;
+  const Parameters options_;
   SceneModelPtr model_;
   std::unique_ptr<Surfaces> surfaces_;
   std::unique_ptr<btDefaultCollisionConfiguration> configuration_;

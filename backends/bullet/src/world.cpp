@@ -2,17 +2,8 @@
 
 namespace cogrsim::bullet {
 
-Result<std::unique_ptr<World>> BulletWorld::create(const SceneModelPtr& model) {
-  if (!model) return fail("no scene given");
-  const auto options = read_options(*model);
-  if (!options) return tl::unexpected<Error>(options.error());
-  std::unique_ptr<BulletWorld> out(new BulletWorld(*options));
-  if (auto started = out->start(model); !started) return tl::unexpected<Error>(started.error());
-  return out;
-}
-
 Result<> BulletWorld::build(const SceneModelPtr& model, const WorldState& begin) {
-  auto engine = Engine::create(model, options_, begin);
+  auto engine = Engine::create(model, begin);
   if (!engine) return tl::unexpected<Error>(engine.error());
   engine_ = std::move(*engine);
   return {};
@@ -35,9 +26,9 @@ Result<> BulletWorld::restore_memory(const SceneModelPtr& model, const MemoryPtr
 
 StepResult BulletWorld::advance(double dt, const std::vector<Drive>& drives,
                                 const std::vector<double>& efforts) {
-  const int lost = engine_->step(dt, {drives, efforts, twists(), external_,
-                                      [this](int joint) { return coordinates(joint); }});
-  return lost < 0 ? StepResult() : diverged(lost, "1000 km, 100 km/s");
+  const int lost = engine_->step(
+      dt, {drives, efforts, twists(), external_, [this](int joint) { return coordinates(joint); }});
+  return lost < 0 ? StepResult() : diverged(lost, StateBounds());
 }
 
 }  // namespace cogrsim::bullet

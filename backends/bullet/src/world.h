@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "convert.h"
 #include "engine.h"
 
@@ -12,15 +11,10 @@ namespace cogrsim::bullet {
 
 class BulletWorld final : public HostedWorld {
  public:
-  /// Errors, with the source position: a motor without an axis, a shape or joint Bullet cannot take.
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
   std::vector<Diagnostic> warnings() const override { return engine_->warnings(); }
 
  private:
-  explicit BulletWorld(OptionsPtr options) : options_(std::move(options)) {}
   const char* engine_name() const override { return "bullet"; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
@@ -46,7 +40,6 @@ class BulletWorld final : public HostedWorld {
                           const WorldState& begin) override;
   bool lacks_couplings() const override { return true; }
 
-  OptionsPtr options_;
   std::unique_ptr<Engine> engine_;
 };
 

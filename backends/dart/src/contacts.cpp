@@ -14,7 +14,7 @@
 
 #include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/geometry/triangles.h"
-#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::dart_engine {
 
@@ -152,17 +152,13 @@ Result<> Detector::add(const SceneModel& model, const Trees& trees, int b, int s
   const cogrsim::Shape& shape = body.shapes[static_cast<std::size_t>(s)];
   BodyNode* const node = trees.node(b);
   if (!shape.collides || body.removed || !node) return {};
-  const auto refuse = [&](const std::string& what, const char* help) {
-    return fail("shape '" + shape.name + "': " + what, source_position(model, shape.origin), help);
-  };
-  if (is_surface(shape.type) && body.kind == BodyKind::dynamic)
-    return refuse(std::string("a ") + to_string(shape.type) + " cannot be moved by forces",
-                  "make its body static or kinematic");
   if (!node->getSkeleton()->isMobile() && shape.type != ShapeType::plane &&
       node->getTransform().translation().norm() > kOutOfReach)
     return {};
   const ShapePtr made = shape_of(model, shape);
-  if (!made) return refuse("its mesh has no volume", "");
+  if (!made)
+    return fail("shape '" + shape.name + "': its mesh has no volume",
+                source_position(model, shape.origin));
   auto* const frame = node->createShapeNodeWith<CollisionAspect, DynamicsAspect>(made);
   frame->setRelativeTransform(to_dart(shape.X_BS));
   geoms_[frame] = {b, s, static_cast<std::size_t>(shape.material)};

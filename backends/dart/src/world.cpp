@@ -5,12 +5,6 @@
 
 namespace cogrsim::dart_engine {
 
-Result<std::unique_ptr<World>> DartWorld::create(const SceneModelPtr& model) {
-  std::unique_ptr<DartWorld> world(new DartWorld);
-  if (auto started = world->start(model); !started) return tl::unexpected(started.error());
-  return world;
-}
-
 Result<> DartWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   auto made = Engine::make(model, begin);
   if (!made) return tl::unexpected(made.error());
@@ -23,13 +17,7 @@ Result<> DartWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
   auto made = Engine::make(next, begin);
   if (!made) return tl::unexpected(made.error());
   (*made)->take_over(*engine_);
-  // Inelastic impacts: of a new joint, or with what has been made static.
-  std::vector<int> hit;
-  const auto add = [&](const Joint& joint) { hit.insert(hit.end(), {joint.parent, joint.child}); };
-  for (const int j : change.attached) add(next->joints[static_cast<std::size_t>(j)]);
-  for (const int b : change.kinds)
-    for (const Joint& joint : next->joints)
-      if (!joint.removed && (joint.parent == b || joint.child == b)) add(joint);
+  const std::vector<int> hit = struck_bodies(*next, change);
   if (!hit.empty()) (*made)->trees().take_impact(begin, hit);
   engine_ = std::move(*made);
   return {};
@@ -37,16 +25,15 @@ Result<> DartWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
 
 StepResult DartWorld::advance(double dt, const std::vector<Drive>& drives,
                               const std::vector<double>&) {
-  constexpr const char* kBounds = "1000 km, 100 km/s";
   // DART would end the process over what is not a number or nearly so.
-  if (const int body = engine_->find_lost(); body >= 0) return diverged(body, kBounds);
+  if (const int body = engine_->find_lost(); body >= 0) return diverged(body, StateBounds());
   if (const int body = engine_->find_overload(drives, external_); body >= 0)
     return diverged(body, "1e12 N, N m, m/s");
   const Engine::State before = engine_->state();
   StepResult out;
   try {
     engine_->step(dt, drives, twists(), external_);
-    if (const int body = engine_->find_lost(); body >= 0) out = diverged(body, kBounds);
+    if (const int body = engine_->find_lost(); body >= 0) out = diverged(body, StateBounds());
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& error) {

@@ -5,24 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 #include "engine.h"
 
 namespace cogrsim::dart_engine {
 
 class DartWorld final : public HostedWorld {
- public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
  private:
   struct Memory final : HostedMemory {
     Engine::State state;
   };
 
-  DartWorld() = default;
   const char* engine_name() const override { return "dart"; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;

@@ -8,14 +8,12 @@
 #include "engine.h"
 #include "program.h"
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 
 namespace cogrsim::mujoco {
 
 class MujocoWorld final : public HostedWorld {
  public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
   std::vector<Diagnostic> warnings() const override { return program_->warnings; }
 
  private:
@@ -32,9 +30,7 @@ class MujocoWorld final : public HostedWorld {
   /// To which coordinates mjData's poses and velocities of bodies belong.
   enum class Kinematics { none, before, now };
 
-  MujocoWorld() = default;
   const char* engine_name() const override { return "mujoco"; }
-  Result<> check(const SceneModel& model) const override { return check_motors(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;

@@ -53,11 +53,6 @@ void set_param(dJointID id, int parameter, double value) {
 
 bool has_motors(JointType type) { return type != JointType::fixed && type != JointType::free; }
 
-// Of one speed of a joint; those of a ball share theirs.
-const JointAxis& axis_of(const Joint& joint, int speed) {
-  return joint.axes[std::min(std::size_t(speed), joint.axes.size() - 1)];
-}
-
 // Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
 // stops of which one is beyond that and which it can tell apart, else where the scene's is.
 double zero_between_stops(const Joint& joint, int axis) {
@@ -80,9 +75,8 @@ bool is_wide(const Joint& joint, int axis) {
 }  // namespace
 
 JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
-                     const JointEnd& child, const Options& options)
-    : joint_(&model.joints[joint]), index_(joint), parent_(parent), child_(child) {
-  cfm_ = options.cfm;
+                     const JointEnd& child, double cfm)
+    : joint_(&model.joints[joint]), index_(joint), parent_(parent), child_(child), cfm_(cfm) {
   const auto is_mobile = [](const JointEnd& end) {
     return end.body && dBodyIsKinematic(end.id()) == 0;
   };
@@ -246,7 +240,7 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
                          const Pose& X_WM) {
   if (!has_motors(joint_->type) || joint_->axes.empty()) return;
   for (int i = 0; i < speed_count(joint_->type); ++i) {
-    const JointAxis& axis = axis_of(*joint_, i);
+    const JointAxis& axis = axis_of_speed(*joint_, i);
     bool own = !axis.has_limit() && !normal_ && joint_->type != JointType::ball;
     const auto add = [&]() -> Law& {
       return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
@@ -341,7 +335,7 @@ void JointLink::drive(double h, const std::vector<Drive>& drives,
   if (has_rotor_) velocities(position(), u);
   for (Law& law : laws_) {
     law.applied = 0.0;
-    const JointAxis& axis = axis_of(*joint_, law.speed);
+    const JointAxis& axis = axis_of_speed(*joint_, law.speed);
     if (law.drive >= 0) {
       set(law, drives[law.drive], h, position);
     } else if (law.rotor) {
@@ -375,7 +369,8 @@ double JointLink::mobility(int speed) const {
 std::vector<double> JointLink::rotor_ratios() const {
   std::vector<double> out(std::size_t(speed_count(joint_->type)), 0.0);
   for (const Law& law : laws_)
-    if (law.rotor) out[law.speed] = axis_of(*joint_, law.speed).rotor_inertia * mobility(law.speed);
+    if (law.rotor)
+      out[law.speed] = axis_of_speed(*joint_, law.speed).rotor_inertia * mobility(law.speed);
   return out;
 }
 
@@ -389,7 +384,7 @@ Vec3 JointLink::direction(int speed, const Pose& X_WF, const Pose& X_WM) const {
   if (joint_->type == JointType::universal)
     return speed == 0 ? Vec3(X_WF.q * Vec3::UnitX()) : Vec3(X_WM.q * Vec3::UnitY());
   if (joint_->type == JointType::planar || joint_->type == JointType::ball)
-    return X_WF.q * Vec3::Unit(speed);
+    return X_WF.q * axis_direction(joint_->type, speed);
   return (sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitZ();
 }
 

@@ -11,7 +11,6 @@
 #include "body.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/physics/drive.h"
-#include "options.h"
 
 namespace cogrsim::ode {
 
@@ -35,7 +34,7 @@ class JointLink {
  public:
   /// Bodies are where the scene has them at its start; they are moved here and left elsewhere.
   JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
-            const JointEnd& child, const Options& options);
+            const JointEnd& child, double cfm);
   JointLink(const JointLink&) = delete;
   JointLink& operator=(const JointLink&) = delete;
 
@@ -89,12 +88,12 @@ class JointLink {
   void set_wide_stops(const double* q) const;
 
   const Joint* joint_ = nullptr;
-  int index_ = -1;  ///< SceneModel::joints
+  int index_ = -1;                            ///< SceneModel::joints
   JointEnd parent_, child_, first_, second_;  ///< second_: nothing for what is immovable
   double sign_ = 1.0;                         ///< -1: first_ is the parent
-  double cfm_ = 0.0;
-  dJointID id_ = nullptr;      ///< nullptr: nothing that forces could move
-  dJointID normal_ = nullptr;  ///< of a planar joint
+  double cfm_;                                ///< of the world
+  dJointID id_ = nullptr;                     ///< nullptr: nothing that forces could move
+  dJointID normal_ = nullptr;                 ///< of a planar joint
   dJointFeedback feedback_{}, normal_feedback_{};
   std::deque<Law> laws_;
   std::array<double, 6> pushed_{};  ///< efforts from outside in the last step

@@ -8,12 +8,6 @@ namespace cogrsim::ode {
 // A rotor's inertia over that of the bodies it turns, up to which QuickStep's 20 sweeps hold it: with 100 times a double pendulum is 75 mrad off after 3 s.
 constexpr double kMostRotor = 10.0;
 
-Result<std::unique_ptr<World>> OdeWorld::create(const SceneModelPtr& model) {
-  std::unique_ptr<OdeWorld> world(new OdeWorld);
-  if (auto started = world->start(model); !started) return tl::unexpected(started.error());
-  return world;
-}
-
 Result<> OdeWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   shapes_ = {};
   return make(model, begin.poses, {});
@@ -21,10 +15,8 @@ Result<> OdeWorld::build(const SceneModelPtr& model, const WorldState& begin) {
 
 Result<> OdeWorld::make(const SceneModelPtr& model, const std::vector<Pose>& poses,
                         Progress progress) {
-  const auto options = read_options(*model);
-  if (!options) return tl::unexpected(options.error());
   try {
-    auto made = Engine::make(model, *options, poses, shapes_);
+    auto made = Engine::make(model, poses, shapes_);
     if (!made) return tl::unexpected(made.error());
     engine_ = std::move(*made);
   } catch (const EngineError& error) {
@@ -110,7 +102,7 @@ StepResult OdeWorld::lost(int body, std::string what) {
     body = 0;
     while (!engine_->body(static_cast<std::size_t>(body)).exists()) ++body;
   }
-  StepResult out = diverged(body, "1000 km, 100 km/s");
+  StepResult out = diverged(body, kBounds);
   if (!what.empty()) out.message = std::move(what);
   return out;
 }

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 #include "engine.h"
 
@@ -13,7 +12,6 @@ namespace cogrsim::ode {
 
 class OdeWorld final : public HostedWorld {
  public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
   std::vector<Diagnostic> warnings() const override;
 
  private:
@@ -25,9 +23,7 @@ class OdeWorld final : public HostedWorld {
     std::vector<int> order;       ///< Engine::order(), of what is saved
   };
 
-  OdeWorld() = default;
   const char* engine_name() const override { return "ode"; }
-  Result<> check(const SceneModel& model) const override { return check_motors(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;

@@ -53,15 +53,7 @@ void take_impact(const Mechanism& m, SimTK::State& state, const WorldState& seen
 
 Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
                                const SceneChange& change) {
-  // Bodies with an inelastic impact: of a new joint, or made static.
-  std::vector<int> inelastic;
-  for (const int j : change.attached)
-    inelastic.insert(inelastic.end(), {next->joints[j].parent, next->joints[j].child});
-  for (const int b : change.kinds) {
-    for (const Joint& joint : next->joints)
-      if (!joint.removed && (joint.parent == b || joint.child == b))
-        inelastic.insert(inelastic.end(), {joint.parent, joint.child});
-  }
+  const std::vector<int> inelastic = struck_bodies(*next, change);
   const std::shared_ptr<Engine> old = engine_;
   stop_integrator();
   try {

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
 
@@ -33,6 +35,8 @@ Result<> HostedWorld::start(const SceneModelPtr& model) {
   return {};
 }
 
+Result<> HostedWorld::check(const SceneModel& model) const { return check_parts(model); }
+
 void HostedWorld::take_scene(const SceneModelPtr& model, WorldState state) {
   model_ = model;
   last_ = std::move(state);
@@ -55,6 +59,11 @@ StepResult HostedWorld::diverged(int body, const std::string& bounds) const {
   return {StepStatus::diverged, body,
           "body '" + model_->bodies[static_cast<std::size_t>(body)].name + "' left all bounds (" +
               bounds + ") in " + engine_name()};
+}
+
+StepResult HostedWorld::diverged(int body, const StateBounds& bounds) const {
+  return diverged(body,
+                  fmt::format("{:g} km, {:g} km/s", 1e-3 * bounds.distance, 1e-3 * bounds.speed));
 }
 
 StepResult HostedWorld::step(double dt, const std::vector<Drive>& drives) {

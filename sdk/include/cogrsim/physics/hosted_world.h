@@ -16,6 +16,18 @@
 
 namespace cogrsim {
 
+/// Of bodies: beyond these a world has exploded, whatever the numbers say.
+struct StateBounds {
+  double distance = 1e6;  ///< from the world's origin [m]
+  double speed = 1e5;     ///< [m/s]
+  double spin = 1e6;      ///< [rad/s]
+
+  /// Of the squares; also false where one is not a number.
+  bool hold(double distance_2, double speed_2, double spin_2) const {
+    return distance_2 < distance * distance && speed_2 < speed * speed && spin_2 < spin * spin;
+  }
+};
+
 /// What an engine holds between steps beside the scene; by value, so that any world can take it.
 struct HostedMemory {
   virtual ~HostedMemory() = default;
@@ -27,13 +39,16 @@ struct HostedMemory {
 /// the engine has no step to report, checks of states, twists, snapshots and attached joints, the
 /// order of a change, and on request the couplings of joints (see CoupledEfforts).
 ///
-/// An engine implements the protected functions, and calls start() once before its world is used.
+/// An engine implements the protected functions; start() is called once before its world is used.
 class COGRSIM_API HostedWorld : public World,
                                 public JointReactions,
                                 public KinematicDrive,
                                 public ExternalForces,
                                 public WorldWarnings {
  public:
+  /// Builds the world of `model` at time 0. Errors: no model; of check() and build().
+  Result<> start(const SceneModelPtr& model);
+
   const SceneModelPtr& model() const final { return model_; }
   double time() const final { return time_; }
   StepResult step(double dt, const std::vector<Drive>& drives) final;
@@ -56,13 +71,10 @@ class COGRSIM_API HostedWorld : public World,
  protected:
   using MemoryPtr = std::shared_ptr<const HostedMemory>;
 
-  /// Builds the world of `model` at time 0. Errors: of check() and build().
-  Result<> start(const SceneModelPtr& model);
-
   /// Of the backend, as in Backend::name().
   virtual const char* engine_name() const = 0;
-  /// Errors: what the engine cannot take, by the model alone.
-  virtual Result<> check(const SceneModel& model) const = 0;
+  /// Errors: what the engine cannot take, by the model alone; of check_parts().
+  virtual Result<> check(const SceneModel& model) const;
   /// Makes the engine's world of `model` in the state `begin`. Errors: the engine is as it was.
   virtual Result<> build(const SceneModelPtr& model, const WorldState& begin) = 0;
   /// The same for the scene that follows a running one, keeping what the engine has of those
@@ -122,6 +134,7 @@ class COGRSIM_API HostedWorld : public World,
   const double* coordinates(int joint);
   /// What advance() answers where a body has left the `bounds` of a state: "1000 km, 100 km/s".
   StepResult diverged(int body, const std::string& bounds) const;
+  StepResult diverged(int body, const StateBounds& bounds) const;
 
  private:
   struct Snapshot;
@@ -140,7 +153,7 @@ class COGRSIM_API HostedWorld : public World,
   WorldState last_;
   std::vector<double> positions_;  // coordinates of followed joints, when they were last found
   std::vector<int> followed_;      // joints
-  double turned_ = 0.0;            // bound of what bodies have turned against each other since [rad]
+  double turned_ = 0.0;  // bound of what bodies have turned against each other since [rad]
   std::vector<Twist> twists_;
   std::optional<StepReport> held_;  // while the engine has no step to report
   CoupledEfforts couplings_;

@@ -32,8 +32,6 @@ class AdapterWorld final : public HostedWorld {
         process_->exchange(AdapterCall::free, time()))
       pool_->give_back(std::move(process_));
   }
-  using HostedWorld::start;
-
   void* extension(std::string_view id) override {
     const auto lacks = [&](const char* feature) {
       return about().capabilities.get(feature).support == Support::unsupported;
@@ -49,7 +47,6 @@ class AdapterWorld final : public HostedWorld {
  protected:
   const char* engine_name() const override { return pool_->manifest().name.c_str(); }
   bool lacks_couplings() const override { return about().lacks_couplings; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override {
     return build_as(model, begin, false);
   }
@@ -222,7 +219,7 @@ std::string AdapterWorld::take_answer(const SceneModel& model, unsigned wanted, 
     for (const Joint& joint : model.joints)
       if (!joint.removed)
         cogrsim::read_joint(joint, out, out.joint_positions.data() + joint.position_offset,
-                   out.joint_velocities.data() + joint.speed_offset);
+                            out.joint_velocities.data() + joint.speed_offset);
   }
   return wanted == 0 ? std::string() : take_reports(model, wanted, at, count - least);
 }
