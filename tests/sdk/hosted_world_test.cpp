@@ -21,6 +21,8 @@ class FakeWorld final : public HostedWorld {
 
   int builds = 0;
   bool builds_fail = false;
+  std::vector<std::pair<int, int>> touching = {{0, 1}};
+  double spin_bound = std::numeric_limits<double>::infinity();
 
  private:
   struct Memory final : HostedMemory {
@@ -48,33 +50,29 @@ class FakeWorld final : public HostedWorld {
         return diverged(static_cast<int>(b), "1 km/s");
     }
     for (std::size_t b = 0; b < scene_->bodies.size(); ++b)
-      now_.poses[b].p += dt * now_.twists[b].linear;
+      now_.poses[b] = moved(now_.poses[b], now_.twists[b], dt);
     stepped_ = true;
     return {};
   }
-  void read(WorldState& out) const override {
-    for (std::size_t b = 0; b < scene_->bodies.size(); ++b) {
-      if (scene_->bodies[b].removed) continue;
-      out.poses[b] = now_.poses[b];
-      if (scene_->bodies[b].kind == BodyKind::dynamic) out.twists[b] = now_.twists[b];
-    }
-    for (const Joint& joint : scene_->joints)
-      if (!joint.removed)
-        out.joint_velocities[static_cast<std::size_t>(joint.speed_offset)] =
-            now_.joint_velocities[static_cast<std::size_t>(joint.speed_offset)];
+  Pose pose(int body) const override { return now_.poses[static_cast<std::size_t>(body)]; }
+  Twist twist(int body) const override {
+    const auto b = static_cast<std::size_t>(body);
+    return scene_->bodies[b].kind == BodyKind::kinematic ? twists()[b] : now_.twists[b];
   }
   Result<> write(const WorldState& state) override {
     take(scene_, state, false);
     return {};
   }
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override {
-    joints.assign(static_cast<std::size_t>(scene_->joint_speeds), stepped_ ? kEffort : 0.0);
-    motors.assign(scene_->motors.size(), 0.0);
+    if (stepped_) std::fill(joints.begin(), joints.end(), kEffort);
+    for (double& effort : motors) effort = kEffort;
   }
-  void read_contacts(std::vector<Contact>& out) const override { out.assign(stepped_ ? 1 : 0, {}); }
-  void read_reactions(std::vector<Wrench>& out) const override {
-    out.assign(scene_->joints.size(), Wrench());
+  void read_contacts(std::vector<Contact>& out) const override {
+    for (const auto& [a, b] : touching)
+      if (stepped_) out.push_back({a, b, a, b, Vec3::Zero(), Vec3(0, 0, 1), 0.0, Vec3(0, 0, 5)});
   }
+  void read_reactions(std::vector<Wrench>&) const override {}
+  double fastest_spin() const override { return spin_bound; }
   MemoryPtr save_memory() const override {
     auto out = std::make_shared<Memory>();
     out->now = now_;
@@ -177,6 +175,50 @@ TEST_CASE("a host moves kinematic bodies by the twist that they were given", "[h
   CHECK(state_of(world).poses[2].p.z() == 1.0);
   up.linear.x() = std::numeric_limits<double>::infinity();
   CHECK_FALSE(drive.set_kinematic_twist(2, up));
+}
+
+TEST_CASE("a host orders the bodies of contacts, then the contacts", "[hosted-world]") {
+  FakeWorld world(scene());
+  world.touching = {{2, 1}, {1, 0}, {0, 2}};
+  world.step(0.1, {});
+  std::vector<Contact> found;
+  world.get_contacts(found);
+  REQUIRE(found.size() == 3);
+  const std::vector<std::pair<int, int>> order = {{0, 1}, {0, 2}, {1, 2}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(std::pair(found[i].body_a, found[i].body_b) == order[i]);
+    CHECK(std::pair(found[i].shape_a, found[i].shape_b) == order[i]);
+    // From a to b, and on b: turned round where the engine had the bodies the other way round.
+    const double sign = i == 1 ? 1.0 : -1.0;
+    CHECK(found[i].normal.z() == sign);
+    CHECK(found[i].force.z() == 5.0 * sign);
+  }
+}
+
+TEST_CASE("a host counts the turns of joints of which an engine has no coordinates",
+          "[hosted-world]") {
+  FakeWorld world(scene());
+  WorldState turning = state_of(world);
+  turning.joint_velocities[0] = 10.0;
+  REQUIRE(world.set_state(turning));
+  SnapshotPtr saved;
+  // An engine that gives a bound is asked less often, and nobody asks for the state meanwhile.
+  world.spin_bound = GENERATE(10.0, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < 70; ++i) {
+    world.step(0.02, {});
+    if (i == 49) saved = world.save();
+  }
+  CHECK(state_of(world).joint_positions[0] == Approx(14.0));
+  CHECK(state_of(world).joint_velocities[0] == Approx(10.0));
+  REQUIRE(world.restore(saved));
+  CHECK(state_of(world).joint_positions[0] == Approx(10.0));
+  world.step(0.02, {});
+  CHECK(state_of(world).joint_positions[0] == Approx(10.2));
+  auto grown = std::make_shared<SceneModel>(*world.model());
+  grown->bodies.push_back(grown->bodies[0]);
+  grown->bodies.back().name = "more";
+  REQUIRE(world.add(grown));
+  CHECK(state_of(world).joint_positions[0] == Approx(10.2));
 }
 
 TEST_CASE("after an error of a host nothing has changed", "[hosted-world]") {

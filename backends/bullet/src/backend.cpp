@@ -5,6 +5,7 @@
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/physics/hosted_backend.h"
 #include "world.h"
 
 namespace cogrsim::bullet {
@@ -51,21 +52,14 @@ Capabilities make_capabilities() {
   out.set("joint.coupling", Support::approximate,
           "an effort found before each step and constant over it, which all its joints feel");
   out.set("joint.coupling-effort", Support::exact);
-  for (const char* feature : {"joint.", "loop.", "joint.limit.", "joint.damping.",
-                              "joint.friction.", "joint.stiffness."}) {
-    out.set(std::string(feature) + "screw", Support::unsupported,
-            "Bullet has no screw: no constraint of its own couples turning and sliding");
-    out.set(std::string(feature) + "gimbal", Support::unsupported,
-            "three hinges with light bodies between them do the same");
-  }
+  lack_joint(out, JointType::screw,
+             "Bullet has no screw: no constraint of its own couples turning and sliding");
+  lack_joint(out, JointType::gimbal, "three hinges with light bodies between them do the same");
   out.set_all({"joint.friction.ball", "joint.stiffness.ball"}, Support::unsupported,
               "Bullet's motors and springs bound and measure each of three angles by itself");
   out.set("joint.limit.ball", Support::unsupported,
           "Bullet limits swing and twist separately, not the whole angle of turning");
-  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-               "runtime.remove", "runtime.save", "runtime.set_state", "report.contact_force",
-               "report.joint_reaction", "report.joint_effort"},
-              Support::exact);
+  set_world_features(out);
   out.set("contact.stiffness", Support::approximate,
           "a spring for each contact point, its sag 5 % off");
   out.set("contact.surface-velocity", Support::approximate,
@@ -82,30 +76,20 @@ Capabilities make_capabilities() {
   return out;
 }
 
-class BulletBackend final : public Backend {
+class BulletBackend final : public HostedBackend<BulletWorld> {
  public:
-  BulletBackend() {
+  BulletBackend()
+      : HostedBackend(
+            "bullet",
+            std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100),
+            make_capabilities(), world_option_table()) {
     // Bullet does not look whether malloc gave it memory, and would write through a null pointer. It
     // keeps these for the whole process, so they must be functions that are never unloaded.
     btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
                             static_cast<void (*)(void*)>(::operator delete));
     Surfaces::install();
   }
-  const char* name() const override { return "bullet"; }
-  const char* engine_version() const override {
-    static const std::string version =
-        std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
-    return version.c_str();
-  }
   Provenance provenance(const Parameters& complete) const override;
-  const Capabilities& capabilities() const override { return capabilities_; }
-  const ParameterTable& world_options() const override { return world_option_table(); }
-  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
-    return BulletWorld::create(model);
-  }
-
- private:
-  Capabilities capabilities_ = make_capabilities();
 };
 
 Provenance BulletBackend::provenance(const Parameters& complete) const {
@@ -115,27 +99,26 @@ Provenance BulletBackend::provenance(const Parameters& complete) const {
       {"dantzig", "btMLCPSolver, btDantzigSolver"},
       {"lemke", "btMLCPSolver, btLemkeSolver"},
       {"projected-gauss-seidel", "btMLCPSolver, btSolveProjectedGaussSeidel"}};
-  const std::string& solver = solvers.at(option<std::string>(complete, "solver"));
+  const std::string& solver = solvers.at(value_of<std::string>(complete, "solver"));
   Provenance out;
   out.engine = "Bullet Physics";
   out.solver = solver;
   out.formulation = "maximal coordinates";
   out.integrator = "semi-implicit Euler";
-  const auto by = [&](StepStage stage, const std::string& name) {
-    out[stage] = {ComputedBy::engine, name};
-  };
-  by(StepStage::broad_phase, "btDbvtBroadphase");
-  by(StepStage::narrow_phase, "btCollisionDispatcher, btDefaultCollisionConfiguration");
-  by(StepStage::contact_memory, "btPersistentManifold");
-  by(StepStage::contact_law, solver);
-  by(StepStage::friction, solver + ", coefficient of a pair by gContactAddedCallback");
-  by(StepStage::restitution, solver + "::restitutionCurve, coefficient by gContactAddedCallback");
-  by(StepStage::joints, "btTypedConstraint");
-  by(StepStage::limits, "btTypedConstraint");
-  by(StepStage::motors,
-     "motors of btTypedConstraint; soft springs, dampers, servos and torque motors as applyTorque "
-     "before the step");
-  by(StepStage::integrator, "btDiscreteDynamicsWorld::stepSimulation(dt, 0)");
+  out.by_engine(StepStage::broad_phase, "btDbvtBroadphase");
+  out.by_engine(StepStage::narrow_phase, "btCollisionDispatcher, btDefaultCollisionConfiguration");
+  out.by_engine(StepStage::contact_memory, "btPersistentManifold");
+  out.by_engine(StepStage::contact_law, solver);
+  out.by_engine(StepStage::friction, solver + ", coefficient of a pair by gContactAddedCallback");
+  out.by_engine(StepStage::restitution,
+                solver + "::restitutionCurve, coefficient by gContactAddedCallback");
+  out.by_engine(StepStage::joints, "btTypedConstraint");
+  out.by_engine(StepStage::limits, "btTypedConstraint");
+  out.by_engine(
+      StepStage::motors,
+      "motors of btTypedConstraint; soft springs, dampers, servos and torque motors as applyTorque "
+      "before the step");
+  out.by_engine(StepStage::integrator, "btDiscreteDynamicsWorld::stepSimulation(dt, 0)");
   return out;
 }
 

@@ -83,26 +83,19 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
 }
 
 void ConstraintJoint::make_axes(const Joint& joint) {
-  const auto add = [&](int index, bool angular, int dof, bool on_child = false) {
-    Axis axis;
-    axis.direction = (on_child ? frame_b_ : frame_a_).getBasis().getColumn(index);
-    axis.on_child = on_child;
-    axis.angular = angular;
-    axis.dof = dof;
-    if (!joint.axes.empty()) axis.law = joint.axes[std::min(axes_.size(), joint.axes.size() - 1)];
-    const double start = axes_.size() < joint.position.size() ? joint.position[axes_.size()] : 0.0;
-    axis.wide = angular && axis.law.has_limit() && is_wide(axis.law, start);
-    axes_.push_back(axis);
-  };
-  const auto is = [&](JointType type) { return type_ == type; };
-  using T = JointType;
-  if (is(T::universal)) add(0, true, 5);
-  if (is(T::universal)) add(1, true, 3, true);
-  if (is(T::planar)) add(0, false, 0);
-  if (is(T::planar)) add(1, false, 1);
-  if (is(T::hinge) || is(T::cylindrical) || is(T::planar)) add(2, true, 5);
-  if (is(T::slider) || is(T::cylindrical)) add(2, false, 2);
-  for (int i = 0; is(T::ball) && i < 3; ++i) add(i, true, 3 + i);
+  for (int i = 0; i < speed_count(type_); ++i) {
+    Axis& axis = axes_.emplace_back();
+    const bool universal = type_ == JointType::universal;
+    axis.on_child = universal && i == 1;
+    axis.angular = axis_turns(type_, i);
+    const btVector3 along = to_bt(axis_direction(type_, i));
+    axis.dof = along.maxAxis() + (axis.angular ? 3 : 0);
+    if (universal) axis.dof = i == 0 ? 5 : 3;  // see make_six()
+    axis.direction = (axis.on_child ? frame_b_ : frame_a_).getBasis().getColumn(along.maxAxis());
+    if (!joint.axes.empty()) axis.law = axis_of_speed(joint, i);
+    const double start = at(i) < joint.position.size() ? joint.position[at(i)] : 0.0;
+    axis.wide = axis.angular && axis.law.has_limit() && is_wide(axis.law, start);
+  }
 }
 
 void ConstraintJoint::make_rows(const SceneModel& model) {

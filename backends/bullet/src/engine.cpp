@@ -11,6 +11,7 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/warnings.h"
 #include "convert.h"
@@ -18,11 +19,6 @@
 namespace cogrsim::bullet {
 
 namespace {
-
-// Bounds of what may still be called a state.
-constexpr double kFarthest = 1e6;  // [m]
-constexpr double kFastest = 1e5;   // [m/s]
-constexpr double kMostSpin = 1e6;  // [rad/s]
 
 // Sweeps over the rows of joints where there are rotors or couplings, at most, and the square of the
 // change of speeds in one [rad^2/s^2] that ends them. A double pendulum with rotors of 5, 50, 250 times
@@ -121,8 +117,10 @@ Pose principal_frame(const Body& body, btVector3& moments) {
 }  // namespace
 
 Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
-                                               const OptionsPtr& options, const WorldState& state) {
-  auto out = std::unique_ptr<Engine>(new Engine(model, options));
+                                               const WorldState& state) {
+  auto options = physics_options(*model, "bullet", world_option_table());
+  if (!options) return tl::unexpected<Error>(options.error());
+  auto out = std::unique_ptr<Engine>(new Engine(model, std::move(*options)));
   if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
@@ -137,27 +135,27 @@ void Engine::make_world() {
   btDefaultCollisionConstructionInfo info;
   configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
   const int points =
-      static_cast<int>(option<std::int64_t>(*options_, "plane-convex-multipoint-iterations"));
+      static_cast<int>(value_of<std::int64_t>(options_, "plane-convex-multipoint-iterations"));
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
-  solver_ = make_solver(option<std::string>(*options_, "solver"), mlcp_, rows_);
+  solver_ = make_solver(value_of<std::string>(options_, "solver"), mlcp_, rows_);
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
   btContactSolverInfo& solver = world_->getSolverInfo();
-  solver.m_numIterations = static_cast<int>(option<std::int64_t>(*options_, "iterations"));
-  solver.m_erp = option<double>(*options_, "erp");
-  solver.m_erp2 = option<double>(*options_, "erp2");
-  solver.m_globalCfm = option<double>(*options_, "cfm");
-  solver.m_splitImpulse = option<bool>(*options_, "split-impulse");
+  solver.m_numIterations = static_cast<int>(value_of<std::int64_t>(options_, "iterations"));
+  solver.m_erp = value_of<double>(options_, "erp");
+  solver.m_erp2 = value_of<double>(options_, "erp2");
+  solver.m_globalCfm = value_of<double>(options_, "cfm");
+  solver.m_splitImpulse = value_of<bool>(options_, "split-impulse");
   solver.m_splitImpulsePenetrationThreshold =
-      option<double>(*options_, "split-impulse-penetration-threshold");
+      value_of<double>(options_, "split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
-  solver.m_warmstartingFactor = option<double>(*options_, "warm-starting-factor");
-  if (!option<bool>(*options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
-  if (static_cast<int>(option<std::int64_t>(*options_, "friction-directions")) == 2)
+  solver.m_warmstartingFactor = value_of<double>(options_, "warm-starting-factor");
+  if (!value_of<bool>(options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
+  if (static_cast<int>(value_of<std::int64_t>(options_, "friction-directions")) == 2)
     solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   if (surfaces_->any_moves()) {
     solver.m_solverMode |=
@@ -181,14 +179,13 @@ Result<> Engine::build(const WorldState& state) {
     Part& part = parts_[b];
     part.pose = state.poses[b];
     if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
-    auto shape = make_body_shape(*model_, body, option<double>(*options_, "margin"), part.X_BG);
+    auto shape = make_body_shape(*model_, body, value_of<double>(options_, "margin"), part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
     part.shape = std::move(*shape);
     surfaces_->set_frame(static_cast<int>(b), part.X_BG);
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
     add_body(static_cast<int>(b), state);
   }
-  positions_ = state.joint_positions;
   if (!model_->couplings.empty() || has_rotors(*model_)) {
     sweeps_ = kSweeps;
     world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
@@ -257,7 +254,7 @@ void Engine::add_joint(int joint) {
   };
   auto constraint = std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
-      frame_of(made.child, made.X_CM), option<double>(*options_, "cfm"));
+      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm"));
   constraint->add_to(*world_, sweeps_);
   joints_.push_back(std::move(constraint));
 }
@@ -278,14 +275,6 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
   return to_bt(parts_[body].X_BG.inverse() * X_BF);
 }
 
-double* Engine::count_turns(int joint) const {
-  const Joint& of = model_->joints[joint];
-  const auto pose_of = [&](int body) { return body == kWorld ? Pose() : pose(body); };
-  double* const q = positions_.data() + of.position_offset;
-  joint_position(of, relative_pose(of, pose_of(of.parent), pose_of(of.child)), q, q);
-  return q;
-}
-
 int Engine::step(double dt, const StepInput& input) {
   double spin = 0.0;
   for (const int b : kinematic_) {
@@ -301,7 +290,7 @@ int Engine::step(double dt, const StepInput& input) {
     if (!joint->has_laws() && !pushed) continue;
     joint->apply(dt, input.drives,
                  pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
-                 [&] { return count_turns(joint->joint()); });
+                 [&] { return input.coordinates(joint->joint()); });
   }
   for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
   for (std::size_t b = 0; b < input.external.size(); ++b) {  // Bullet clears them after the step
@@ -321,10 +310,8 @@ int Engine::step(double dt, const StepInput& input) {
     const btRigidBody& body = *parts_[b].rigid;
     const double turning = body.getAngularVelocity().length2();
     most = std::max(most, turning);
-    // Written so that a NaN fails.
-    const bool fine = body.getCenterOfMassPosition().length2() < kFarthest * kFarthest &&
-                      body.getLinearVelocity().length2() < kFastest * kFastest &&
-                      turning < kMostSpin * kMostSpin;
+    const bool fine = StateBounds().hold(body.getCenterOfMassPosition().length2(),
+                                         body.getLinearVelocity().length2(), turning);
     if (!fine && diverged < 0) diverged = b;
   }
   if (diverged >= 0) {
@@ -332,17 +319,8 @@ int Engine::step(double dt, const StepInput& input) {
     forget_contacts();
     return diverged;
   }
-  // Two bodies turn against each other by at most twice that; half a turn may not be missed.
-  turned_ += 2.0 * dt * std::sqrt(most);
-  if (turned_ > 2.0) count_all_turns();
+  fastest_spin_ = std::sqrt(most);
   return -1;
-}
-
-void Engine::count_all_turns() const {
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) {
-    if (!model_->joints[j].removed) count_turns(static_cast<int>(j));
-  }
-  turned_ = 0.0;
 }
 
 std::vector<Diagnostic> Engine::warnings() const {
@@ -370,17 +348,6 @@ Twist Engine::twist(int body) const {
   return out;
 }
 
-void Engine::get_joints(WorldState& out) const {
-  turned_ = 0.0;
-  for (const Joint& joint : model_->joints) {
-    if (joint.removed) continue;
-    double* const q = positions_.data() + joint.position_offset;
-    read_joint(joint, out, q, out.joint_velocities.data() + joint.speed_offset);
-    std::copy(q, q + position_count(joint.type),
-              out.joint_positions.begin() + joint.position_offset);
-  }
-}
-
 void Engine::set_state(const WorldState& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     Part& part = parts_[b];
@@ -391,8 +358,6 @@ void Engine::set_state(const WorldState& state) {
     set_motion(*part.rigid, body.kind == BodyKind::dynamic ? motion : Motion{motion.X, {}, {}});
     before_[b] = motion;
   }
-  positions_ = state.joint_positions;
-  turned_ = 0.0;
   forget_contacts();
 }
 
@@ -413,8 +378,6 @@ void Engine::sum_rows() const {
 
 void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   sum_rows();
-  joints.assign(at(model_->joint_speeds), 0.0);
-  motors.assign(model_->motors.size(), 0.0);
   for (const auto& constraint : joints_) {
     const Joint& joint = model_->joints[constraint->joint()];
     constraint->get_efforts(start_of(joint.parent), start_of(joint.child),
@@ -424,7 +387,6 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
 
 void Engine::get_reactions(std::vector<Wrench>& out) const {
   sum_rows();
-  out.assign(model_->joints.size(), Wrench());
   for (const auto& joint : joints_) {
     const std::size_t j = at(joint->joint());
     const Load load = joint->get_reaction(start_of(model_->joints[j].child));
@@ -433,31 +395,25 @@ void Engine::get_reactions(std::vector<Wrench>& out) const {
 }
 
 void Engine::get_contacts(std::vector<Contact>& out) const {
-  out.clear();
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
-    const int first = manifold.getBody0()->getUserIndex();
-    const int second = manifold.getBody1()->getUserIndex();
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
-      // On the first body, along what leads to it from the second.
+      // On Bullet's first body, along what leads to it from the second.
       const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
                                 point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                                 point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-      const bool swapped = first > second;
-      const double sign = swapped ? 1.0 : -1.0;
-      Contact contact;
-      std::tie(contact.body_a, contact.body_b) = std::minmax(first, second);
-      contact.shape_a = swapped ? point.m_partId1 : point.m_partId0;
-      contact.shape_b = swapped ? point.m_partId0 : point.m_partId1;
+      Contact& contact = out.emplace_back();
+      contact.body_a = manifold.getBody1()->getUserIndex();
+      contact.body_b = manifold.getBody0()->getUserIndex();
+      contact.shape_a = point.m_partId1;
+      contact.shape_b = point.m_partId0;
       contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
-      contact.normal = from_bt(point.m_normalWorldOnB * sign);
+      contact.normal = from_bt(point.m_normalWorldOnB);
       contact.depth = -point.getDistance();
-      contact.force = from_bt(impulse * (sign / dt_));
-      out.push_back(contact);
+      contact.force = from_bt(impulse * (1.0 / dt_));
     }
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 }  // namespace cogrsim::bullet

@@ -1,6 +1,7 @@
 // A dynamics world of Bullet's with all that it points to, kept in step with a scene model.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct StepInput {
   const std::vector<double>& efforts;
   const std::vector<Twist>& twists;
   const std::vector<Wrench>& external;
+  std::function<const double*(int joint)> coordinates;  ///< of a joint now, turns counted
 };
 
 /// Everything that a step depends on; see Engine::save().
@@ -52,7 +54,7 @@ class Engine {
  public:
   /// The scene as it is in `state`. Errors: what Bullet cannot take, with its source position.
   static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model,
-                                                const OptionsPtr& options, const WorldState& state);
+                                                const WorldState& state);
   ~Engine();
 
   const SceneModelPtr& model() const { return model_; }
@@ -66,7 +68,8 @@ class Engine {
   Pose pose(int body) const;
   /// Of the body's origin; kinematic bodies excepted.
   Twist twist(int body) const;
-  void get_joints(WorldState& out) const;
+  /// A bound for all bodies in the last step [rad/s].
+  double fastest_spin() const { return fastest_spin_; }
   /// Moves everything; contacts are forgotten.
   void set_state(const WorldState& state);
 
@@ -92,8 +95,8 @@ class Engine {
     btVector3 inertia{0, 0, 0};
   };
 
-  Engine(const SceneModelPtr& model, const OptionsPtr& options)
-      : options_(options), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
+  Engine(const SceneModelPtr& model, Parameters options)
+      : options_(std::move(options)), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
   Result<> build(const WorldState& state);
   void make_world();
   void add_body(int body, const WorldState& state);
@@ -108,11 +111,9 @@ class Engine {
   btTransform frame_of(int body, const Pose& X_BF) const;
   btTransform start_of(int body) const;
   Motion motion_of(const Part& part, const Pose& X, const Twist& V) const;
-  double* count_turns(int joint) const;
-  void count_all_turns() const;
   void sum_rows() const;
 
-  OptionsPtr options_;
+  const Parameters options_;
   SceneModelPtr model_;
   std::unique_ptr<Surfaces> surfaces_;
   std::unique_ptr<btDefaultCollisionConfiguration> configuration_;
@@ -132,8 +133,7 @@ class Engine {
   std::vector<Motion> before_;  // the last step, by body; kinematic ones, where it put them
   double dt_ = 0.0;             // of the last step [s]
   mutable JointRows rows_;      // of the last step; none: summed up in the joints
-  mutable std::vector<double> positions_;  // of joints, turns counted
-  mutable double turned_ = 0.0;            // bound of what has not been counted [rad]
+  double fastest_spin_ = 0.0;   // in it [rad/s]
 };
 
 }  // namespace cogrsim::bullet

@@ -23,7 +23,6 @@ struct Engine::FullMemory final : Memory {
   };
   std::vector<Motion> now, before;  ///< by body
   std::vector<Pose> poses;          ///< by body
-  std::vector<double> positions;
   std::vector<Boxes> boxes;                         ///< by body
   std::vector<Pair> pairs;                          ///< in Bullet's order
   std::vector<std::pair<int, int>> manifold_order;  ///< pair, number in it
@@ -64,10 +63,8 @@ int body_of(const btBroadphaseProxy& proxy) {
 
 std::shared_ptr<const Memory> Engine::save() const {
   auto out = std::make_shared<FullMemory>();
-  count_all_turns();
   out->model = model_;
   out->before = before_;
-  out->positions = positions_;
   out->now.resize(parts_.size());
   out->boxes.resize(parts_.size());
   for (std::size_t b = 0; b < parts_.size(); ++b) {
@@ -166,7 +163,6 @@ void Engine::restore(const Memory& saved) {
   sound_ = false;
   if (memory.model == model_) {
     for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].pose = memory.poses[b];
-    positions_ = memory.positions;
     restore_broadphase(memory);
   }
   std::vector<char> stays;

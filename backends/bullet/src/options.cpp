@@ -1,7 +1,5 @@
 #include "options.h"
 
-#include "cogrsim/physics/backend_checks.h"
-
 namespace cogrsim::bullet {
 
 const ParameterTable& world_option_table() {
@@ -36,12 +34,6 @@ const ParameterTable& world_option_table() {
           .range(0, 16),
   };
   return table;
-}
-
-Result<OptionsPtr> read_options(const SceneModel& model) {
-  auto complete = physics_options(model, "bullet", world_option_table());
-  if (!complete) return tl::unexpected(complete.error());
-  return std::make_shared<const Parameters>(std::move(*complete));
 }
 
 }  // namespace cogrsim::bullet

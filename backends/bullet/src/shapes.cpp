@@ -20,7 +20,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btConvexHullComputer.h>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {
@@ -200,12 +199,6 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
   std::vector<std::pair<Pose, btCollisionShape*>> leaves;
   for (const Shape& shape : body.shapes) {
     if (!shape.collides) continue;
-    if (is_surface(shape.type) && body.kind == BodyKind::dynamic) {
-      return fail("body '" + body.name + "': a " + std::string(to_string(shape.type)) +
-                      " cannot be moved by forces",
-                  source_position(model, shape.origin),
-                  "make the body static or kinematic, or use a convex-mesh");
-    }
     Pose X_BS = shape.X_BS;
     const auto made = maker.leaf(shape, X_BS);
     if (!made) return tl::unexpected<Error>(made.error());

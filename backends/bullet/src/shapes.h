@@ -26,7 +26,7 @@ struct BodyShape {
 /// The colliding shapes of a body, seen from Bullet's frame of it, X_BG; of a body that does not
 /// move and has one shape, X_BG becomes that shape's. Leaves carry their number in Body::shapes as
 /// user index and their material as second user index. A body without any gets an empty shape.
-/// Errors: a surface on a body that forces move, a mesh without a volume.
+/// Errors: a mesh without a volume.
 Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, const Body& body,
                                                    double margin, Pose& X_BG);
 

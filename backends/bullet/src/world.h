@@ -4,28 +4,28 @@
 #include <memory>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
+#include "convert.h"
 #include "engine.h"
 
 namespace cogrsim::bullet {
 
 class BulletWorld final : public HostedWorld {
  public:
-  /// Errors, with the source position: a motor without an axis, a shape or joint Bullet cannot take.
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
   std::vector<Diagnostic> warnings() const override { return engine_->warnings(); }
 
  private:
-  explicit BulletWorld(OptionsPtr options) : options_(std::move(options)) {}
   const char* engine_name() const override { return "bullet"; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override { return engine_->pose(body); }
+  Twist twist(int body) const override {
+    const bool kinematic = model()->bodies[at(body)].kind == BodyKind::kinematic;
+    return kinematic ? twists()[at(body)] : engine_->twist(body);
+  }
+  double fastest_spin() const override { return engine_->fastest_spin(); }
   Result<> write(const WorldState& state) override {
     engine_->set_state(state);
     return {};
@@ -40,7 +40,6 @@ class BulletWorld final : public HostedWorld {
                           const WorldState& begin) override;
   bool lacks_couplings() const override { return true; }
 
-  OptionsPtr options_;
   std::unique_ptr<Engine> engine_;
 };
 

@@ -1,12 +1,10 @@
 // The plugin: a stateless factory of DART worlds.
-#include <dlfcn.h>
-
 #include <dart/config.hpp>
-#include <filesystem>
 #include <string>
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/physics/hosted_backend.h"
 #include "world.h"
 
 namespace cogrsim::dart_engine {
@@ -52,11 +50,8 @@ Capabilities make_capabilities() {
   out.set("joint.friction.ball", lacks, "DART bounds the friction of each axis by itself");
   out.set("joint.stiffness.ball", differs, "taken implicitly and before contacts are known");
   out.set("joint.gimbal", differs, "the run ends where the second angle is a right one");
-  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.attach",
-               "runtime.body_kind", "report.contact_force", "report.joint_reaction",
-               "report.joint_effort", "joint.coupling", "joint.coupling-effort"},
-              Support::exact);
+  set_world_features(out);
+  out.set_all({"joint.coupling", "joint.coupling-effort"}, Support::exact);
   out.set("runtime.joint_axes", differs,
           "DART's limits stop what is beyond them and never bring it back");
   out.set("contact.stiffness", lacks, "DART's contacts of rigid bodies have none");
@@ -66,63 +61,45 @@ Capabilities make_capabilities() {
   return out;
 }
 
-std::string find_version() {
-  std::string out = DART_VERSION;
-  Dl_info info{};
-  std::error_code error;
-  const auto* const known =
-      reinterpret_cast<const void*>(static_cast<dart::simulation::WorldPtr (*)(const std::string&)>(
-          &dart::simulation::World::create));
-  if (dladdr(known, &info) != 0 && info.dli_fname) {
-    const auto path = std::filesystem::canonical(info.dli_fname, error);
-    if (!error) out += " (" + path.filename().string() + ")";
-  }
-  return out;
+const void* in_libdart() {
+  using Create = dart::simulation::WorldPtr (*)(const std::string&);
+  return reinterpret_cast<const void*>(static_cast<Create>(&dart::simulation::World::create));
 }
 
 }  // namespace
 
-class DartBackend final : public Backend {
+class DartBackend final : public HostedBackend<DartWorld> {
  public:
-  const char* name() const override { return "dart"; }
-  const char* engine_version() const override { return version_.c_str(); }
+  DartBackend()
+      : HostedBackend("dart", library_version(DART_VERSION, in_libdart()), make_capabilities(),
+                      world_option_table()) {}
   Provenance provenance(const Parameters& options) const override {
-    const bool pgs = std::get<std::string>(options.at("lcp-solver")) == "pgs";
+    const bool pgs = value_of<std::string>(options, "lcp-solver") == "pgs";
     Provenance out;
     out.engine = "DART";
     out.solver = pgs ? "boxed LCP by PgsBoxedLcpSolver"
                      : "boxed LCP by DantzigBoxedLcpSolver, PgsBoxedLcpSolver where that fails";
     out.formulation = "generalized coordinates";
     out.integrator = "semi-implicit Euler";
-    const auto engine = [&](StepStage stage, const char* name) {
-      out[stage] = {ComputedBy::engine, name};
-    };
-    engine(StepStage::broad_phase, "OdeCollisionDetector (ODE's dHashSpace)");
-    engine(StepStage::narrow_phase, "OdeCollisionDetector (ODE's dCollide)");
+    out.by_engine(StepStage::broad_phase, "OdeCollisionDetector (ODE's dHashSpace)");
+    out.by_engine(StepStage::narrow_phase, "OdeCollisionDetector (ODE's dCollide)");
     out[StepStage::contact_memory] = {ComputedBy::none,
                                       "no memory: each step finds its contacts again"};
-    engine(StepStage::contact_law, "ContactConstraint");
-    engine(StepStage::friction, "ContactConstraint, a pyramid about world axes");
-    engine(StepStage::restitution, "ContactConstraint");
-    engine(StepStage::joints,
-           "RevoluteJoint, PrismaticJoint, ScrewJoint, BallJoint, WeldJoint, FreeJoint, rows of "
-           "them; loops: WeldJointConstraint; rotors and couplings: rows of ConstraintBase");
-    engine(StepStage::limits, "JointConstraint");
-    engine(StepStage::motors,
-           "rows of ConstraintBase and Joint::setCommand; springs, dampers and dry friction: the "
-           "joints' own");
-    engine(StepStage::integrator, "World::step");
+    out.by_engine(StepStage::contact_law, "ContactConstraint");
+    out.by_engine(StepStage::friction, "ContactConstraint, a pyramid about world axes");
+    out.by_engine(StepStage::restitution, "ContactConstraint");
+    out.by_engine(
+        StepStage::joints,
+        "RevoluteJoint, PrismaticJoint, ScrewJoint, BallJoint, WeldJoint, FreeJoint, rows of "
+        "them; loops: WeldJointConstraint; rotors and couplings: rows of ConstraintBase");
+    out.by_engine(StepStage::limits, "JointConstraint");
+    out.by_engine(
+        StepStage::motors,
+        "rows of ConstraintBase and Joint::setCommand; springs, dampers and dry friction: the "
+        "joints' own");
+    out.by_engine(StepStage::integrator, "World::step");
     return out;
   }
-  const Capabilities& capabilities() const override { return capabilities_; }
-  const ParameterTable& world_options() const override { return world_option_table(); }
-  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
-    return DartWorld::create(model);
-  }
-
- private:
-  Capabilities capabilities_ = make_capabilities();
-  std::string version_ = find_version();
 };
 
 }  // namespace cogrsim::dart_engine

@@ -14,7 +14,7 @@
 
 #include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/geometry/triangles.h"
-#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::dart_engine {
 
@@ -152,17 +152,13 @@ Result<> Detector::add(const SceneModel& model, const Trees& trees, int b, int s
   const cogrsim::Shape& shape = body.shapes[static_cast<std::size_t>(s)];
   BodyNode* const node = trees.node(b);
   if (!shape.collides || body.removed || !node) return {};
-  const auto refuse = [&](const std::string& what, const char* help) {
-    return fail("shape '" + shape.name + "': " + what, source_position(model, shape.origin), help);
-  };
-  if (is_surface(shape.type) && body.kind == BodyKind::dynamic)
-    return refuse(std::string("a ") + to_string(shape.type) + " cannot be moved by forces",
-                  "make its body static or kinematic");
   if (!node->getSkeleton()->isMobile() && shape.type != ShapeType::plane &&
       node->getTransform().translation().norm() > kOutOfReach)
     return {};
   const ShapePtr made = shape_of(model, shape);
-  if (!made) return refuse("its mesh has no volume", "");
+  if (!made)
+    return fail("shape '" + shape.name + "': its mesh has no volume",
+                source_position(model, shape.origin));
   auto* const frame = node->createShapeNodeWith<CollisionAspect, DynamicsAspect>(made);
   frame->setRelativeTransform(to_dart(shape.X_BS));
   geoms_[frame] = {b, s, static_cast<std::size_t>(shape.material)};
@@ -188,25 +184,21 @@ bool Detector::collide(dart::collision::CollisionGroup* group,
 
 void Detector::report(const dart::collision::CollisionResult& result,
                       std::vector<Contact>& out) const {
-  out.clear();
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const dart::collision::Contact& found = result.getContact(i);
     if (dart::collision::Contact::isZeroNormal(found.normal)) continue;
     // DART's normal points into its first body, and its force acts on it.
-    const bool swapped = pairs_[i].first.body > pairs_[i].second.body;
-    const Geom& a = swapped ? pairs_[i].second : pairs_[i].first;
-    const Geom& b = swapped ? pairs_[i].first : pairs_[i].second;
+    const Geom &first = pairs_[i].first, &second = pairs_[i].second;
     Contact& contact = out.emplace_back();
-    contact.body_a = a.body;
-    contact.body_b = b.body;
-    contact.shape_a = a.shape;
-    contact.shape_b = b.shape;
+    contact.body_a = second.body;
+    contact.body_b = first.body;
+    contact.shape_a = second.shape;
+    contact.shape_b = first.shape;
     contact.point = found.point;
     contact.depth = found.penetrationDepth;
-    contact.normal = swapped ? found.normal : Vec3(-found.normal);
-    contact.force = swapped ? found.force : Vec3(-found.force);
+    contact.normal = found.normal;
+    contact.force = found.force;
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 }  // namespace cogrsim::dart_engine

@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "cogrsim/core/constants.h"
-#include "cogrsim/physics/scene_state.h"
+#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/hosted_world.h"
 
 namespace cogrsim::dart_engine {
 
@@ -17,21 +18,17 @@ namespace {
 using dart::constraint::PgsBoxedLcpSolver;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Beyond these a world has exploded, whatever the numbers say.
-constexpr double kFarthest = 1e6;     // [m]
-constexpr double kFastest = 1e5;      // [m/s]
-constexpr double kFastestSpin = 1e6;  // [rad/s]
 constexpr double kMost = 1e12;        // [N], [N m], [m/s], [rad/s], of what is asked for
 constexpr double kSingular = 1e-6;    // of a gimbal: cosine of its second angle
 constexpr double kCouplingErp = 0.2;  // part of a coupling's error that a step takes away
 
-std::shared_ptr<PgsBoxedLcpSolver> make_pgs(const Options& options) {
+std::shared_ptr<PgsBoxedLcpSolver> make_pgs(const Parameters& options) {
   auto out = std::make_shared<PgsBoxedLcpSolver>();
   PgsBoxedLcpSolver::Option it;
-  it.mMaxIteration = options.max_iteration;
-  it.mDeltaXThreshold = options.delta_x_threshold;
-  it.mRelativeDeltaXTolerance = options.relative_delta_x_tolerance;
-  it.mEpsilonForDivision = options.epsilon_for_division;
+  it.mMaxIteration = static_cast<int>(value_of<std::int64_t>(options, "max-iteration"));
+  it.mDeltaXThreshold = value_of<double>(options, "delta-x-threshold");
+  it.mRelativeDeltaXTolerance = value_of<double>(options, "relative-delta-x-tolerance");
+  it.mEpsilonForDivision = value_of<double>(options, "epsilon-for-division");
   out->setOption(it);
   return out;
 }
@@ -39,7 +36,7 @@ std::shared_ptr<PgsBoxedLcpSolver> make_pgs(const Options& options) {
 }  // namespace
 
 Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const WorldState& begin) {
-  const auto options = read_options(*model);
+  const auto options = physics_options(*model, "dart", world_option_table());
   if (!options) return tl::unexpected(options.error());
   prepare_thread();
   std::unique_ptr<Engine> out(new Engine(model, begin.poses));
@@ -49,7 +46,7 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const W
   out->world_ = dart::simulation::World::create();
   dart::simulation::World& world = *out->world_;
   using dart::constraint::BoxedLcpConstraintSolver;
-  if (options->pgs)
+  if (value_of<std::string>(*options, "lcp-solver") == "pgs")
     world.setConstraintSolver(
         std::make_unique<BoxedLcpConstraintSolver>(make_pgs(*options), nullptr));
   else
@@ -57,7 +54,8 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const W
         std::make_shared<dart::constraint::DantzigBoxedLcpSolver>(), make_pgs(*options)));
   world.getConstraintSolver()->setCollisionDetector(out->detector_);
   world.getConstraintSolver()->getCollisionOption().collisionFilter = out->detector_->filter();
-  world.getConstraintSolver()->getCollisionOption().maxNumContacts = options->max_num_contacts;
+  world.getConstraintSolver()->getCollisionOption().maxNumContacts =
+      static_cast<std::size_t>(value_of<std::int64_t>(*options, "max-num-contacts"));
   world.setGravity(model->physics.gravity);
   world.setTimeStep(model->physics.step);
   for (const auto& skeleton : out->trees_.skeletons()) world.addSkeleton(skeleton);
@@ -296,10 +294,8 @@ void Engine::forget_step() {
 int Engine::find_lost() const {
   for (const Link& link : trees_.links()) {
     const Twist V = twist(link.body);
-    // Written so that a NaN fails.
-    bool fine = link.node->getTransform().translation().squaredNorm() <= kFarthest * kFarthest &&
-                V.linear.squaredNorm() <= kFastest * kFastest &&
-                V.angular.squaredNorm() <= kFastestSpin * kFastestSpin;
+    bool fine = StateBounds().hold(link.node->getTransform().translation().squaredNorm(),
+                                   V.linear.squaredNorm(), V.angular.squaredNorm());
     for (const dart::dynamics::Joint* joint : link.joints)
       fine = fine && joint->getPositions().allFinite() && joint->getVelocities().allFinite();
     if (link.joint >= 0 &&
@@ -334,8 +330,6 @@ Twist Engine::twist(int body) const {
 }
 
 void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.assign(static_cast<std::size_t>(model_->joint_speeds), 0.0);
-  motors.assign(model_->motors.size(), 0.0);
   if (h_ == 0.0) return;
   const auto at = [&](int joint, int axis) -> double& {
     return joints[static_cast<std::size_t>(
@@ -362,7 +356,6 @@ void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) c
 }
 
 void Engine::reactions(std::vector<Wrench>& out) const {
-  out.assign(model_->joints.size(), Wrench());
   for (std::size_t i = 0; h_ > 0.0 && i < before_.size(); ++i) {
     const Link& link = trees_.links()[i];
     if (link.joint < 0) continue;

@@ -1,7 +1,5 @@
 #include "options.h"
 
-#include "cogrsim/physics/backend_checks.h"
-
 namespace cogrsim::dart_engine {
 
 const ParameterTable& world_option_table() {
@@ -25,21 +23,6 @@ const ParameterTable& world_option_table() {
           .range(2, 1000000),
   };
   return table;
-}
-
-Result<Options> read_options(const SceneModel& model) {
-  const auto all = physics_options(model, "dart", world_option_table());
-  if (!all) return tl::unexpected(all.error());
-  const auto number = [&](const char* name) { return std::get<double>(all->at(name)); };
-  const auto count = [&](const char* name) { return std::get<std::int64_t>(all->at(name)); };
-  Options out;
-  out.pgs = std::get<std::string>(all->at("lcp-solver")) == "pgs";
-  out.max_iteration = static_cast<int>(count("max-iteration"));
-  out.delta_x_threshold = number("delta-x-threshold");
-  out.relative_delta_x_tolerance = number("relative-delta-x-tolerance");
-  out.epsilon_for_division = number("epsilon-for-division");
-  out.max_num_contacts = static_cast<std::size_t>(count("max-num-contacts"));
-  return out;
 }
 
 }  // namespace cogrsim::dart_engine

@@ -7,6 +7,7 @@
 #include <dart/dynamics/WeldJoint.hpp>
 #include <utility>
 
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/body_trees.h"
 
 namespace cogrsim::dart_engine {
@@ -15,37 +16,6 @@ namespace {
 
 using namespace dart::dynamics;
 using Isometry = Eigen::Isometry3d;
-
-// One freedom of a joint: how many the scene's has before it, and its axis in the frames that coincide
-// where all coordinates are zero.
-struct Freedom {
-  bool turns = true;
-  Vec3 axis = Vec3::UnitZ();
-};
-
-std::vector<Freedom> freedoms(JointType type) {
-  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
-  switch (type) {
-    case JointType::hinge:
-    case JointType::screw:
-      return {{true, z}};
-    case JointType::slider:
-      return {{false, z}};
-    case JointType::cylindrical:
-      return {{true, z}, {false, z}};
-    case JointType::universal:
-      return {{true, x}, {true, y}};
-    case JointType::gimbal:
-      return {{true, x}, {true, y}, {true, z}};
-    case JointType::planar:
-      return {{false, x}, {false, y}, {true, z}};
-    case JointType::fixed:
-    case JointType::ball:
-    case JointType::free:
-      break;
-  }
-  return {};
-}
 
 Inertia weightless() {
   Inertia out;
@@ -65,18 +35,18 @@ std::pair<dart::dynamics::Joint*, BodyNode*> make(const SkeletonPtr& skeleton, B
   return {made.first, made.second};
 }
 
-std::pair<dart::dynamics::Joint*, BodyNode*> make(const cogrsim::Joint& joint,
-                                                  const Freedom& freedom, bool reversed,
-                                                  const SkeletonPtr& skeleton, BodyNode* parent,
-                                                  const std::string& name, const Inertia& inertia) {
-  const Vec3 axis = reversed ? Vec3(-freedom.axis) : freedom.axis;
+std::pair<dart::dynamics::Joint*, BodyNode*> make(const cogrsim::Joint& joint, int speed,
+                                                  bool reversed, const SkeletonPtr& skeleton,
+                                                  BodyNode* parent, const std::string& name,
+                                                  const Inertia& inertia) {
+  const Vec3 axis = (reversed ? -1.0 : 1.0) * axis_direction(joint.type, speed);
   if (joint.type == JointType::screw) {
     ScrewJoint::Properties it;
     it.mAxis = axis;
     it.mPitch = joint.pitch;
     return make<ScrewJoint>(skeleton, parent, it, name, inertia);
   }
-  if (freedom.turns) {
+  if (axis_turns(joint.type, speed)) {
     RevoluteJoint::Properties it;
     it.mAxis = axis;
     return make<RevoluteJoint>(skeleton, parent, it, name, inertia);
@@ -200,21 +170,21 @@ void Trees::add_link(Link link, int inboard, const std::vector<Pose>& poses) {
   } else {
     skeleton = parent->getSkeleton();
   }
-  std::vector<Freedom> row = freedoms(joint.type);
-  const std::size_t count = row.size();
+  const bool ball = joint.type == JointType::ball;
+  const auto count = ball ? 0 : static_cast<std::size_t>(speed_count(joint.type));
   link.joints.resize(std::max(count, std::size_t(1)));
   const Inertia own = inertia(link.body);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t axis = link.reversed ? count - 1 - k : k;
     const bool last = k + 1 == count;
-    const auto made = make(joint, row[axis], link.reversed, skeleton, parent,
+    const auto made = make(joint, static_cast<int>(axis), link.reversed, skeleton, parent,
                            last ? name : name + " " + std::to_string(k), last ? own : weightless());
     made.first->setTransformFromParentBodyNode(k == 0 ? inner : Isometry::Identity());
     made.first->setTransformFromChildBodyNode(last ? outer : Isometry::Identity());
     link.joints[axis] = made.first;
     parent = link.node = made.second;
   }
-  if (joint.type == JointType::ball) {
+  if (ball) {
     std::tie(link.joints[0], link.node) =
         make<BallJoint>(skeleton, parent, BallJoint::Properties(), name, own);
   } else if (count == 0) {

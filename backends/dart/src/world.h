@@ -5,31 +5,27 @@
 #include <string>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 #include "engine.h"
 
 namespace cogrsim::dart_engine {
 
 class DartWorld final : public HostedWorld {
- public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
-
  private:
   struct Memory final : HostedMemory {
     Engine::State state;
-    std::vector<double> followed;
   };
 
-  DartWorld() = default;
   const char* engine_name() const override { return "dart"; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override { return engine_->pose(body); }
+  Twist twist(int body) const override { return engine_->twist(body); }
+  bool has_coordinates(int joint) const override;
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override {
     engine_->efforts(joints, motors);
@@ -40,14 +36,7 @@ class DartWorld final : public HostedWorld {
   Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
                           const WorldState& begin) override;
 
-  void take_scene(const WorldState& begin);
-  void read_bodies(WorldState& out) const;
-  void read_joints(WorldState& out, const std::vector<int>& joints) const;
-  void follow();
-
   std::unique_ptr<Engine> engine_;
-  std::vector<int> joints_, turning_;  ///< all there are; those with a quaternion, or outside trees
-  std::vector<double> followed_;       ///< coordinates, kept up to date of `turning_`
 };
 
 }  // namespace cogrsim::dart_engine

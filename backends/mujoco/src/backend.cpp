@@ -4,6 +4,7 @@
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/physics/hosted_backend.h"
 
 namespace cogrsim::mujoco {
 
@@ -56,10 +57,7 @@ Capabilities make_capabilities() {
           "MuJoCo has no velocity of surfaces; use a kinematic body");
   out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
               "one pyramid with sliding; slides slowly, as friction does");
-  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
-               "report.contact_force", "report.joint_effort"},
-              Support::exact);
+  set_world_features(out);
   out.set(
       "runtime.attach", Support::approximate,
       "by a plain hinge, ball or fixed joint: a soft constraint, see solrefequality, that stops "
@@ -73,13 +71,14 @@ Capabilities make_capabilities() {
 
 }  // namespace
 
-class MujocoBackend final : public Backend {
+class MujocoBackend final : public HostedBackend<MujocoWorld> {
  public:
-  MujocoBackend() { install_handlers(); }
-  const char* name() const override { return "mujoco"; }
-  const char* engine_version() const override { return mj_versionString(); }
+  MujocoBackend()
+      : HostedBackend("mujoco", mj_versionString(), make_capabilities(), world_option_table()) {
+    install_handlers();
+  }
   Provenance provenance(const Parameters& options) const override {
-    const auto text = [&](const char* key) { return std::get<std::string>(options.at(key)); };
+    const auto text = [&](const char* key) { return value_of<std::string>(options, key); };
     const std::string solver = text("solver"), integrator = text("integrator");
     const std::string solve = "mj_sol" + solver;
     Provenance out;
@@ -92,33 +91,24 @@ class MujocoBackend final : public Backend {
     out.integrator = integrator == "RK4"        ? "Runge-Kutta 4"
                      : integrator == "implicit" ? "implicit in velocity"
                                                 : "semi-implicit Euler";
-    const auto engine = [&](StepStage stage, const std::string& name) {
-      out[stage] = {ComputedBy::engine, name};
-    };
-    engine(StepStage::broad_phase, "mj_collision: mj_broadphase");
-    engine(StepStage::narrow_phase, "mj_collision: mjCOLLISIONFUNC");
-    engine(StepStage::contact_memory, "mjData::qacc_warmstart");
-    engine(StepStage::contact_law, "mj_makeConstraint, " + solve);
-    engine(StepStage::friction, "mj_makeConstraint (damping of bounces by CogRSim), " + solve);
-    engine(StepStage::restitution, "solref of a damped spring");
-    engine(StepStage::joints, "mjModel's joints, loops by mjEQ_CONNECT and mjEQ_WELD");
-    engine(StepStage::limits, "mjCNSTR_LIMIT_JOINT, " + solve);
-    engine(StepStage::motors,
-           "mj_fwdActuation, mj_passive (stiff gains by CogRSim), mjCNSTR_FRICTION_DOF");
-    engine(StepStage::integrator, integrator == "RK4" ? "mj_RungeKutta" : "mj_" + integrator);
+    out.by_engine(StepStage::broad_phase, "mj_collision: mj_broadphase");
+    out.by_engine(StepStage::narrow_phase, "mj_collision: mjCOLLISIONFUNC");
+    out.by_engine(StepStage::contact_memory, "mjData::qacc_warmstart");
+    out.by_engine(StepStage::contact_law, "mj_makeConstraint, " + solve);
+    out.by_engine(StepStage::friction,
+                  "mj_makeConstraint (damping of bounces by CogRSim), " + solve);
+    out.by_engine(StepStage::restitution, "solref of a damped spring");
+    out.by_engine(StepStage::joints, "mjModel's joints, loops by mjEQ_CONNECT and mjEQ_WELD");
+    out.by_engine(StepStage::limits, "mjCNSTR_LIMIT_JOINT, " + solve);
+    out.by_engine(StepStage::motors,
+                  "mj_fwdActuation, mj_passive (stiff gains by CogRSim), mjCNSTR_FRICTION_DOF");
+    out.by_engine(StepStage::integrator,
+                  integrator == "RK4" ? "mj_RungeKutta" : "mj_" + integrator);
     return out;
   }
-  const Capabilities& capabilities() const override { return capabilities_; }
-  const ParameterTable& world_options() const override { return world_option_table(); }
   const ParameterTable& element_options(std::string_view element) const override {
     return element_option_table(element);
   }
-  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
-    return MujocoWorld::create(model);
-  }
-
- private:
-  Capabilities capabilities_ = make_capabilities();
 };
 
 }  // namespace cogrsim::mujoco

@@ -11,6 +11,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/geometry/hull_faces.h"
+#include "cogrsim/model/joint_kinematics.h"
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/body_trees.h"
 
@@ -230,19 +231,12 @@ void Writer::write_joint(int j) {
   const auto along = [&](const Vec3& axis) -> Vec3 {
     return cleaned(X_BN.q * axis) * (back ? -1.0 : 1.0);
   };
-  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
-  const auto turn = [&](int i, const Vec3& axis) { return Axis{"hinge", i, along(axis)}; };
-  const auto slide = [&](int i, const Vec3& axis) { return Axis{"slide", i, along(axis)}; };
-  using Axes = std::vector<Axis>;
-  Axes axes = it.type == JointType::hinge         ? Axes{turn(0, z)}
-              : it.type == JointType::slider      ? Axes{slide(0, z)}
-              : it.type == JointType::screw       ? Axes{turn(0, z), slide(0, z)}
-              : it.type == JointType::cylindrical ? Axes{turn(0, z), slide(1, z)}
-              : it.type == JointType::universal   ? Axes{turn(0, x), turn(1, y)}
-              : it.type == JointType::gimbal      ? Axes{turn(0, x), turn(1, y), turn(2, z)}
-              : it.type == JointType::planar      ? Axes{slide(0, x), slide(1, y), turn(2, z)}
-              : ball                              ? Axes{{"ball", 0, z}}
-                                                  : Axes{};
+  std::vector<Axis> axes;
+  for (int i = 0; i < (ball ? 0 : speed_count(it.type)); ++i)
+    axes.push_back(
+        {axis_turns(it.type, i) ? "hinge" : "slide", i, along(axis_direction(it.type, i))});
+  if (it.type == JointType::screw) axes.push_back({"slide", 0, axes[0].along});
+  if (ball) axes.push_back({"ball", 0, Vec3::UnitZ()});
   // Seen from the child they come in the other order.
   if (back && (it.type == JointType::universal || it.type == JointType::gimbal))
     std::reverse(axes.begin(), axes.end());
@@ -386,7 +380,6 @@ Result<std::string> Writer::write() {
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
     const Joint& it = scene_.joints[j];
     if (it.removed || out_.joints[j].body >= 0) continue;
-    if (position_count(it.type) > 0) out_.followed.push_back(static_cast<int>(j));
     if (it.type == JointType::free || (grounded(it.parent) && grounded(it.child))) continue;
     if (auto fine = check_loop(it); !fine) return tl::unexpected(fine.error());
     write_equality(static_cast<int>(j));

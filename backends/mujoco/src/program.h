@@ -46,7 +46,6 @@ struct Program {
   /// its centre of mass, whose path MuJoCo's integrator has exact.
   std::vector<Vec3> origins;
   std::vector<TreeJoint> joints;
-  std::vector<int> followed;   ///< joints whose coordinates are found from the bodies' poses
   std::vector<int> kinematic;  ///< bodies
   bool other_weights = false;  ///< a body has a gravity_scale
   std::vector<std::pair<int, int>> geoms;  ///< body and shape

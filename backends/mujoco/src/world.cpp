@@ -19,12 +19,6 @@ int clamped(double value) { return static_cast<int>(std::min(value, 2e9)); }
 
 }  // namespace
 
-Result<std::unique_ptr<World>> MujocoWorld::create(const SceneModelPtr& model) {
-  std::unique_ptr<MujocoWorld> world(new MujocoWorld);
-  if (auto begun = world->start(model); !begun) return tl::unexpected(begun.error());
-  return world;
-}
-
 Result<> MujocoWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   ProgramPtr program = initial_;
   if (!program || program->scene != model) {
@@ -207,7 +201,6 @@ StepResult MujocoWorld::advance(double dt, const std::vector<Drive>& drives,
   stepped_ = true;
   find_responses();
   kinematics_ = Kinematics::none;
-  follow();
   return {};
 }
 

@@ -8,14 +8,12 @@
 #include "engine.h"
 #include "program.h"
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 
 namespace cogrsim::mujoco {
 
 class MujocoWorld final : public HostedWorld {
  public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
   std::vector<Diagnostic> warnings() const override { return program_->warnings; }
 
  private:
@@ -26,21 +24,25 @@ class MujocoWorld final : public HostedWorld {
   struct Memory final : HostedMemory {
     ProgramPtr program;
     Coordinates coordinates;
-    std::vector<double> followed, responses;
+    std::vector<double> responses;
     std::vector<int> at_bound;
   };
   /// To which coordinates mjData's poses and velocities of bodies belong.
   enum class Kinematics { none, before, now };
 
-  MujocoWorld() = default;
   const char* engine_name() const override { return "mujoco"; }
-  Result<> check(const SceneModel& model) const override { return check_motors(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  void prepare_reading() const override { find_kinematics(Kinematics::now); }
+  Pose pose(int body) const override;
+  Twist twist(int body) const override;
+  bool has_coordinates(int joint) const override {
+    return program_->joints[static_cast<std::size_t>(joint)].joint >= 0;
+  }
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
   void read_contacts(std::vector<Contact>& out) const override;
@@ -70,14 +72,10 @@ class MujocoWorld final : public HostedWorld {
   void get_coordinates(Coordinates& out) const;
   void put_back(const Coordinates& from) const;
   void find_kinematics(Kinematics wanted) const;
-  Pose pose_of(int body) const;
-  Twist twist_of(int body) const;
-  void read_tree_joint(std::size_t j, double* q, double* u) const;
   /// The coordinates of joints from the `first` on came out of poses.
   void put_state(const WorldState& state, std::size_t first);
   void put_joint(std::size_t j, const double* q, const double* u);
   void put_free(std::size_t b, const Pose& X, const Twist& V);
-  void follow();
   void forget_step();
 
   ProgramPtr initial_, program_;
@@ -85,7 +83,6 @@ class MujocoWorld final : public HostedWorld {
   DataOwner data_;
   double contact_room_ = 1.0, stack_room_ = 1.0;
   Coordinates before_;                ///< the last step
-  std::vector<double> followed_;      ///< coordinates of joints that are no joints of MuJoCo's
   std::vector<double> responses_;     ///< by actuator, what a unit of effort gives its axis
   ImplicitDrives laws_;               ///< by actuator
   bool has_external_forces_ = false;  ///< xfrc_applied has forces on bodies

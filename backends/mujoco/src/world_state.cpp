@@ -40,21 +40,18 @@ void MujocoWorld::find_kinematics(Kinematics wanted) const {
   kinematics_ = wanted;
 }
 
-Pose MujocoWorld::pose_of(int body) const {
-  if (body == kWorld) return {};
+Pose MujocoWorld::pose(int body) const {
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body)
-    return program_->static_poses[b];
+  if (i <= 0) return program_->static_poses[b];
   const Quat q = quat_at(data_->xquat + 4 * i);
   return {vec_at(data_->xpos + 3 * i) - q * program_->origins[b], q};
 }
 
-Twist MujocoWorld::twist_of(int body) const {
-  if (body == kWorld) return {};
+Twist MujocoWorld::twist(int body) const {
   const auto b = static_cast<std::size_t>(body);
   const int i = program_->bodies[b];
-  if (i <= 0 || program_->scene->bodies[b].kind == BodyKind::static_body) return {};
+  if (i <= 0) return {};
   if (const int dof = program_->free_dof[b]; dof >= 0) {
     const Quat q = quat_at(data_->xquat + 4 * i);
     const Twist V{vec_at(data_->qvel + dof), q * vec_at(data_->qvel + dof + 3)};
@@ -66,16 +63,17 @@ Twist MujocoWorld::twist_of(int body) const {
   return {V.at(vec_at(data_->xpos + 3 * i) - centre), V.angular};
 }
 
-void MujocoWorld::read_tree_joint(std::size_t j, double* q, double* u) const {
-  const Joint& joint = program_->scene->joints[j];
-  const TreeJoint& in_tree = program_->joints[j];
+bool MujocoWorld::read_joint(int j, double* q, double* u) const {
+  const Joint& joint = program_->scene->joints[static_cast<std::size_t>(j)];
+  const TreeJoint& in_tree = program_->joints[static_cast<std::size_t>(j)];
+  if (in_tree.joint < 0) return false;
   const double *qpos = data_->qpos + in_tree.qpos, *qvel = data_->qvel + in_tree.dof;
   if (joint.type != JointType::ball) {
     for (int i = 0; i < speed_count(joint.type); ++i) {
       q[i] = qpos[in_tree.axis[i]];
       u[i] = qvel[in_tree.axis[i]];
     }
-    return;
+    return true;
   }
   // MuJoCo's turn of the moved body and rate, both in the moved body's axes.
   const Quat turn = quat_at(qpos).normalized();
@@ -85,6 +83,7 @@ void MujocoWorld::read_tree_joint(std::size_t j, double* q, double* u) const {
   put(q, in_tree.reversed ? Quat(in_N.conjugate()) : in_N);
   const Vec3 in_F = in_tree.reversed ? Vec3(-rate) : Vec3(in_N * rate);
   std::copy_n(in_F.data(), 3, u);
+  return true;
 }
 
 void MujocoWorld::put_joint(std::size_t j, const double* q, const double* u) {
@@ -119,31 +118,18 @@ void MujocoWorld::put_free(std::size_t b, const Pose& X, const Twist& V) {
   put(data_->qvel + program_->free_dof[b] + 3, Vec3(X.q.conjugate() * V.angular));
 }
 
-void MujocoWorld::follow() {
-  if (program_->followed.empty()) return;
-  find_kinematics(Kinematics::now);
-  for (const int j : program_->followed) {
-    const Joint& joint = program_->scene->joints[j];
-    double* const q = followed_.data() + joint.position_offset;
-    const std::vector<double> previous(q, q + position_count(joint.type));
-    joint_position(joint, relative_pose(joint, pose_of(joint.parent), pose_of(joint.child)),
-                   previous.data(), q);
-  }
-}
-
 void MujocoWorld::put_state(const WorldState& state, std::size_t first) {
   const SceneModel& scene = *program_->scene;
-  followed_ = state.joint_positions;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     if (program_->free_qpos[b] >= 0) put_free(b, state.poses[b], state.twists[b]);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    double* const q = followed_.data() + scene.joints[j].position_offset;
-    if (j >= first) std::transform(q, q + position_count(scene.joints[j].type), q, settled);
-    put_joint(j, q, state.joint_velocities.data() + scene.joints[j].speed_offset);
+    const Joint& joint = scene.joints[j];
+    double q[7];
+    std::copy_n(state.joint_positions.begin() + joint.position_offset, position_count(joint.type), q);
+    if (j >= first) std::transform(q, q + position_count(joint.type), q, settled);
+    put_joint(j, q, state.joint_velocities.data() + joint.speed_offset);
   }
   mju_zero(data_->qacc_warmstart, int(model_->nv));
-  kinematics_ = Kinematics::none;
-  follow();
   forget_step();
 }
 
@@ -155,39 +141,16 @@ void MujocoWorld::forget_step() {
   laws_.reset(responses_.size());
 }
 
-void MujocoWorld::read(WorldState& out) const {
-  const SceneModel& scene = *program_->scene;
-  find_kinematics(Kinematics::now);
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    if (scene.bodies[b].removed) continue;
-    out.poses[b] = pose_of(static_cast<int>(b));
-    out.twists[b] = twist_of(static_cast<int>(b));
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const Joint& joint = scene.joints[j];
-    double* const q = out.joint_positions.data() + joint.position_offset;
-    double* const u = out.joint_velocities.data() + joint.speed_offset;
-    if (program_->joints[j].joint >= 0) {
-      read_tree_joint(j, q, u);
-    } else if (!joint.removed) {
-      std::copy_n(followed_.data() + joint.position_offset, position_count(joint.type), q);
-      read_joint(joint, out, q, u);
-    }
-  }
-}
-
 void MujocoWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   const SceneModel& scene = *program_->scene;
   const mjModel& m = *model_;
   const mjData& d = *data_;
-  motors.assign(scene.motors.size(), 0.0);
   for (std::size_t i = 0; i < scene.motors.size(); ++i) {
     const int a = program_->actuators[i];
     if (a < 0) continue;
     const auto k = static_cast<std::size_t>(a);
     motors[i] = laws_.is_damped(k) ? laws_.effort(k, speed_of(k)) : d.actuator_force[a];
   }
-  joints.assign(static_cast<std::size_t>(scene.joint_speeds), 0.0);
   if (joints.empty()) return;
   // By MuJoCo's speeds: springs, dampers and motors, dry friction and limits; their rows come before
   // those of contacts.
@@ -232,31 +195,23 @@ Result<> MujocoWorld::write(const WorldState& state) {
 }
 
 void MujocoWorld::read_contacts(std::vector<Contact>& out) const {
-  out.clear();
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& it = data_->contact[i];
-    auto a = program_->geoms[it.geom1];
-    auto b = program_->geoms[it.geom2];
-    const double sign = a.first > b.first ? -1.0 : 1.0;  // MuJoCo's normal goes from 1 to 2
-    if (sign < 0.0) std::swap(a, b);
     double force[6];
     mj_contactForce(model_.get(), data_.get(), i, force);
-    Contact contact;
-    std::tie(contact.body_a, contact.shape_a) = a;
-    std::tie(contact.body_b, contact.shape_b) = b;
+    Contact& contact = out.emplace_back();
+    std::tie(contact.body_a, contact.shape_a) = program_->geoms[it.geom1];
+    std::tie(contact.body_b, contact.shape_b) = program_->geoms[it.geom2];
     contact.point = vec_at(it.pos);
-    contact.normal = sign * vec_at(it.frame);
+    contact.normal = vec_at(it.frame);  // from 1 to 2
     contact.depth = -it.dist;
-    contact.force = sign * (force[0] * vec_at(it.frame) + force[1] * vec_at(it.frame + 3) +
-                            force[2] * vec_at(it.frame + 6));
-    out.push_back(contact);
+    contact.force = force[0] * vec_at(it.frame) + force[1] * vec_at(it.frame + 3) +
+                    force[2] * vec_at(it.frame + 6);
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 void MujocoWorld::read_reactions(std::vector<Wrench>& out) const {
   const SceneModel& scene = *program_->scene;
-  out.assign(scene.joints.size(), {});
   mjModel* const m = model_.get();
   mjData* const d = data_.get();
   find_kinematics(Kinematics::before);  // as when the forces were found
@@ -281,7 +236,6 @@ HostedWorld::MemoryPtr MujocoWorld::save_memory() const {
   auto out = std::make_shared<Memory>();
   out->program = program_;
   get_coordinates(out->coordinates);
-  out->followed = followed_;
   out->responses = responses_;
   out->at_bound = laws_.at_bound;
   return out;
@@ -293,7 +247,6 @@ Result<> MujocoWorld::restore_memory(const SceneModelPtr&, const MemoryPtr& memo
   if (saved.program != program_)
     if (auto adopted = adopt(saved.program); !adopted) return adopted;
   put_back(saved.coordinates);
-  followed_ = saved.followed;
   forget_step();
   responses_ = saved.responses;
   laws_.at_bound = saved.at_bound;

@@ -1,6 +1,7 @@
 // The plugin: a stateless factory of ODE worlds.
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/physics/hosted_backend.h"
 #include "library.h"
 #include "world.h"
 
@@ -44,40 +45,32 @@ Capabilities make_capabilities() {
   set_shape_features(out);
   set_pair_notes(out, pair_note);
   set_joint_features(out);
-  const auto set = [&](const std::string& joint, std::initializer_list<const char*> parts,
-                       Support support, const char* note) {
-    for (const std::string part : parts) out.set(part + joint, support, note);
-  };
+  const auto set = [&](JointType joint, std::initializer_list<const char*> parts, Support support,
+                       const char* note) { set_joint_parts(out, joint, parts, support, note); };
   const Support lacks = Support::unsupported, differs = Support::approximate;
-  set("screw",
-      {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
-      lacks, "ODE has no screw");
-  set("gimbal",
-      {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
-      lacks, "three hinges with light bodies between them do the same");
-  set("ball", {"joint.limit.", "joint.stiffness."}, lacks, "ODE's ball joint has no stops");
-  set("ball", {"joint.friction."}, lacks, "three motors would bound each axis by itself");
-  set("planar", {"joint.limit."}, lacks, "ODE's LMotor has no stops");
-  set("planar", {"joint.", "loop."}, differs,
+  lack_joint(out, JointType::screw, "ODE has no screw");
+  lack_joint(out, JointType::gimbal, "three hinges with light bodies between them do the same");
+  set(JointType::ball, {"joint.limit.", "joint.stiffness."}, lacks,
+      "ODE's ball joint has no stops");
+  set(JointType::ball, {"joint.friction."}, lacks, "three motors would bound each axis by itself");
+  set(JointType::planar, {"joint.limit."}, lacks, "ODE's LMotor has no stops");
+  set(JointType::planar, {"joint.", "loop."}, differs,
       "two angles stopped (AMotor) and no speed along the normal (LMotor), whose position drifts");
-  set("planar", {"joint.damping.", "joint.friction."}, differs,
+  set(JointType::planar, {"joint.damping.", "joint.friction."}, differs,
       "ODE's LMotor acts half-way between the centres of mass");
   for (const JointType type : {JointType::hinge, JointType::slider, JointType::cylindrical,
                                JointType::universal, JointType::planar}) {
-    set(to_string(type), {"joint.stiffness."}, differs,
+    set(type, {"joint.stiffness."}, differs,
         "an explicit torque: unstable beyond a stiffness of 4 times the inertia over the step "
         "squared");
-    set(to_string(type), {"joint.rotor-inertia."}, differs,
+    set(type, {"joint.rotor-inertia."}, differs,
         "a motor towards the speed at the start of the step, as soft as the inertia; with "
         "solver=quick 20 sweeps hold rotors of 10 times the inertia of the bodies they turn");
     if (type == JointType::planar) continue;
-    set(to_string(type), {"joint.limit."}, differs,
+    set(type, {"joint.limit."}, differs,
         "ODE's stops act once they are passed and give back erp (0.2) of the speed");
   }
-  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
-               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.joint_axes",
-               "report.joint_reaction", "report.joint_effort"},
-              Support::exact);
+  set_world_features(out);
   out.set("joint.coupling", differs,
           "an effort found before each step and constant over it, which all its joints feel");
   out.set("joint.coupling-effort", Support::exact);
@@ -94,12 +87,14 @@ Capabilities make_capabilities() {
 
 }  // namespace
 
-class OdeBackend final : public Backend {
+class OdeBackend final : public HostedBackend<OdeWorld> {
  public:
-  const char* name() const override { return "ode"; }
-  const char* engine_version() const override { return library_version(); }
+  OdeBackend()
+      : HostedBackend(
+            "ode", library_version(COGRSIM_ODE_VERSION, reinterpret_cast<const void*>(&dWorldStep)),
+            make_capabilities(), world_option_table()) {}
   Provenance provenance(const Parameters& options) const override {
-    const std::string solver = std::get<std::string>(options.at("solver"));
+    const std::string& solver = value_of<std::string>(options, "solver");
     Provenance out;
     out.engine = "Open Dynamics Engine";
     const std::string step = "dWorldStep (Dantzig's LCP)";
@@ -109,34 +104,23 @@ class OdeBackend final : public Backend {
                                      : step + " where there are joints, else " + quick;
     out.formulation = "maximal coordinates";
     out.integrator = "semi-implicit Euler";
-    const auto engine = [&](StepStage stage, const char* name) {
-      out[stage] = {ComputedBy::engine, name};
-    };
-    engine(StepStage::broad_phase, "dHashSpace");
-    engine(StepStage::narrow_phase, "dCollide");
+    out.by_engine(StepStage::broad_phase, "dHashSpace");
+    out.by_engine(StepStage::narrow_phase, "dCollide");
     out[StepStage::contact_memory] = {ComputedBy::none,
                                       "no memory: each step finds its contacts again"};
-    engine(StepStage::contact_law, "dJointCreateContact");
-    engine(StepStage::friction, std::get<std::string>(options.at("friction")) == "pyramid"
-                                    ? "dContactApprox1, a pyramid"
-                                    : "dContactApprox0, a box");
-    engine(StepStage::restitution, "dContactBounce");
-    engine(StepStage::joints,
-           "hinge, slider, ball, universal, piston, fixed; planar: AMotor and LMotor");
-    engine(StepStage::limits, "dParamLoStop, dParamHiStop");
-    engine(StepStage::motors,
-           "dParamVel, dParamFMax, dParamCFM; torques and springs by dBodyAddTorque");
-    engine(StepStage::integrator, "dxStepBody");
+    out.by_engine(StepStage::contact_law, "dJointCreateContact");
+    out.by_engine(StepStage::friction, value_of<std::string>(options, "friction") == "pyramid"
+                                           ? "dContactApprox1, a pyramid"
+                                           : "dContactApprox0, a box");
+    out.by_engine(StepStage::restitution, "dContactBounce");
+    out.by_engine(StepStage::joints,
+                  "hinge, slider, ball, universal, piston, fixed; planar: AMotor and LMotor");
+    out.by_engine(StepStage::limits, "dParamLoStop, dParamHiStop");
+    out.by_engine(StepStage::motors,
+                  "dParamVel, dParamFMax, dParamCFM; torques and springs by dBodyAddTorque");
+    out.by_engine(StepStage::integrator, "dxStepBody");
     return out;
   }
-  const Capabilities& capabilities() const override { return capabilities_; }
-  const ParameterTable& world_options() const override { return world_option_table(); }
-  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
-    return OdeWorld::create(model);
-  }
-
- private:
-  Capabilities capabilities_ = make_capabilities();
 };
 
 }  // namespace cogrsim::ode

@@ -6,10 +6,6 @@ namespace cogrsim::ode {
 
 namespace {
 
-// Beyond these a world has exploded, whatever the numbers say.
-constexpr double kFastest = 1e5;      // [m/s]
-constexpr double kFastestSpin = 1e9;  // [rad/s]
-
 double square(const dReal* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 }  // namespace
@@ -66,9 +62,8 @@ bool BodyLink::read(Motion& out) const {
   std::copy(q_, q_ + 4, out.q.begin());
   std::copy(v_, v_ + 3, out.v.begin());
   std::copy(w_, w_ + 3, out.w.begin());
-  // Written so that a NaN fails. ODE's quaternions are of unit length or not numbers, as are w's.
-  return square(p_) <= kFarthest * kFarthest && square(v_) <= kFastest * kFastest &&
-         square(w_) <= kFastestSpin * kFastestSpin;
+  // ODE's quaternions are of unit length or not numbers, as are w's.
+  return kBounds.hold(square(p_), square(v_), square(w_));
 }
 
 void BodyLink::write(const Motion& motion) {

@@ -6,12 +6,12 @@
 #include <array>
 
 #include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/hosted_world.h"
 #include "convert.h"
 
 namespace cogrsim::ode {
 
-/// Beyond this a world has exploded, whatever the numbers say [m].
-inline constexpr double kFarthest = 1e6;
+inline constexpr StateBounds kBounds{1e6, 1e5, 1e9};
 
 /// What ODE knows of a body from one step to the next, to the bit.
 struct Motion {

@@ -6,12 +6,12 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 
 namespace cogrsim::ode {
 
-Engine::Engine(const SceneModelPtr& model, const Options& options)
+Engine::Engine(const SceneModelPtr& model, const Parameters& options)
     : model_(model), options_(options), filter_(*model) {
+  const auto number = [&](const char* name) { return value_of<double>(options_, name); };
   prepare_thread();
   world_ = dWorldCreate();
   space_ = dHashSpaceCreate(nullptr);
@@ -23,14 +23,20 @@ Engine::Engine(const SceneModelPtr& model, const Options& options)
                                        threading_);
   const Vec3& g = model->physics.gravity;
   dWorldSetGravity(world_, g.x(), g.y(), g.z());
-  dWorldSetERP(world_, options.erp);
-  dWorldSetCFM(world_, options.cfm);
-  dWorldSetQuickStepNumIterations(world_, options.iterations);
-  dWorldSetQuickStepW(world_, options.sor);
-  if (options.contact_max_correcting_velocity > 0.0)
-    dWorldSetContactMaxCorrectingVel(world_, options.contact_max_correcting_velocity);
-  dWorldSetContactSurfaceLayer(world_, options.contact_surface_layer);
+  dWorldSetERP(world_, number("erp"));
+  dWorldSetCFM(world_, number("cfm"));
+  dWorldSetQuickStepNumIterations(world_,
+                                  static_cast<int>(value_of<std::int64_t>(options_, "iterations")));
+  dWorldSetQuickStepW(world_, number("sor"));
+  if (const double most = number("contact-max-correcting-velocity"); most > 0.0)
+    dWorldSetContactMaxCorrectingVel(world_, most);
+  dWorldSetContactSurfaceLayer(world_, number("contact-surface-layer"));
   dWorldSetAutoDisableFlag(world_, 0);
+  const bool jointed = std::any_of(
+      model->joints.begin(), model->joints.end(),
+      [](const Joint& joint) { return !joint.removed && joint.type != JointType::free; });
+  const std::string& solver = value_of<std::string>(options_, "solver");
+  quick_ = solver == "quick" || (solver == "auto" && !jointed);
   bodies_.resize(model->bodies.size());
   add_surfaces();
 }
@@ -49,12 +55,12 @@ Engine::~Engine() {
   dThreadingFreeImplementation(threading_);
 }
 
-Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Options& options,
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model,
                                              const std::vector<Pose>& poses, ShapeData& shapes) {
-  std::unique_ptr<Engine> out(new Engine(model, options));
-  for (std::size_t b = 0; b < model->bodies.size(); ++b) {
-    if (auto added = out->add_body(b); !added) return tl::unexpected(added.error());
-  }
+  const auto options = physics_options(*model, "ode", world_option_table());
+  if (!options) return tl::unexpected(options.error());
+  std::unique_ptr<Engine> out(new Engine(model, *options));
+  for (std::size_t b = 0; b < model->bodies.size(); ++b) out->add_body(b);
   const auto end = [&](int b) {
     JointEnd made;
     if (b == kWorld) return made;
@@ -72,9 +78,9 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
       if (out->bodies_[i].exists()) out->bodies_[i].set_pose(model->bodies[i].X_WB);
     }
     const JointEnd nothing;
-    out->joints_.emplace_back(out->world_, *model, static_cast<int>(j),
-                              joint.removed ? nothing : end(joint.parent),
-                              joint.removed ? nothing : end(joint.child), options);
+    out->joints_.emplace_back(
+        out->world_, *model, static_cast<int>(j), joint.removed ? nothing : end(joint.parent),
+        joint.removed ? nothing : end(joint.child), value_of<double>(*options, "cfm"));
   }
   for (std::size_t b = 0; b < model->bodies.size(); ++b) {
     if (out->bodies_[b].exists()) out->bodies_[b].set_pose(model->bodies[b].X_WB);
@@ -84,20 +90,14 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const O
   return out;
 }
 
-Result<> Engine::add_body(std::size_t b) {
+void Engine::add_body(std::size_t b) {
   const Body& body = model_->bodies[b];
-  if (body.removed || body.kind == BodyKind::static_body) return {};
-  try {
-    bodies_[b].create(world_, body);
-  } catch (const EngineError& error) {
-    return fail("body '" + body.name + "': " + error.what(), source_position(*model_, body.origin),
-                "look at its mass and inertia");
-  }
+  if (body.removed || body.kind == BodyKind::static_body) return;
+  bodies_[b].create(world_, body);
   if (body.kind == BodyKind::dynamic && body.gravity_scale != 1.0) {
     lifts_.emplace_back(bodies_[b].id(),
                         (body.gravity_scale - 1.0) * body.mass * model_->physics.gravity);
   }
-  return {};
 }
 
 Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
@@ -106,22 +106,16 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
   for (std::size_t s = 0; s < body.shapes.size(); ++s) {
     const Shape& shape = body.shapes[s];
     // ODE's space counts cells of 1/8 m and more in an int: what nothing gets to is left out.
-    const bool out_of_reach =
-        !bodies_[b].exists() && shape.type != ShapeType::plane && pose.p.norm() > 10.0 * kFarthest;
+    const bool out_of_reach = !bodies_[b].exists() && shape.type != ShapeType::plane &&
+                              pose.p.norm() > 10.0 * kBounds.distance;
     if (!shape.collides || out_of_reach) continue;
     Geom& geom = geoms_.emplace_back();
     geom.body = static_cast<int>(b);
     geom.shape = static_cast<int>(s);
     geom.index = static_cast<int>(geoms_.size()) - 1;
-    if (const bool plane = shape.type == ShapeType::plane;
-        (plane && bodies_[b].exists()) ||
-        (is_surface(shape.type) && body.kind == BodyKind::dynamic)) {
-      return fail(
-          "shape '" + shape.name + "': a " + std::string(to_string(shape.type)) +
-              (plane ? " cannot be moved" : " cannot be moved by forces"),
-          source_position(*model_, shape.origin),
-          plane ? "make its body static, or use a box" : "make its body static or kinematic");
-    }
+    if (shape.type == ShapeType::plane && bodies_[b].exists())
+      return fail("shape '" + shape.name + "': a plane cannot be moved",
+                  source_position(*model_, shape.origin), "make its body static, or use a box");
     if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;
     geom.surface_velocity = shape.X_BS.q * shape.surface_velocity;
     if (!bodies_[b].exists()) geom.surface_velocity = pose.q * geom.surface_velocity;
@@ -144,6 +138,7 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
 }
 
 void Engine::add_surfaces() {
+  const bool pyramid = value_of<std::string>(options_, "friction") == "pyramid";
   const std::size_t n = model_->materials.size();
   surfaces_.resize(n * n);
   stiffness_.resize(n * n);
@@ -153,7 +148,7 @@ void Engine::add_surfaces() {
       const SurfacePair pair = surface_pair(*model_, static_cast<int>(a), static_cast<int>(b));
       dSurfaceParameters& surface = surfaces_[a * n + b];
       surface = {};
-      surface.mode = options_.pyramid ? dContactApprox1 : dContactApprox0;
+      surface.mode = pyramid ? dContactApprox1 : dContactApprox0;
       surface.mu = pair.friction;
       if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
         surface.mode |= dContactRolling | dContactAxisDep;
@@ -247,7 +242,7 @@ void Engine::step(double h, unsigned long& seed) {
   broken_off_ = true;
   for (const auto& [body, force] : lifts_) dBodyAddForce(body, force.x(), force.y(), force.z());
   dSpaceCollide(space_, this, &Engine::near);
-  if (options_.quick) {
+  if (is_iterative()) {
     quick_step(world_, h, seed);
   } else {
     dWorldStep(world_, h);
@@ -257,26 +252,22 @@ void Engine::step(double h, unsigned long& seed) {
 }
 
 void Engine::report(std::vector<Contact>& out) const {
-  out.clear();
   for (std::size_t i = 0; i < touched_; ++i) {
     const Touch& found = touch(i);
-    const Geom *a = found.first, *b = found.second;
+    const Geom &first = *found.first, &second = *found.second;
     // ODE's normal points into its first geom; the force is on the body that it calls its first,
     // the second where the first geom has none.
-    const int pushed = a->holder ? a->body : b->body;
-    if (b->body < a->body) std::swap(a, b);
+    const Vec3 force = to_vec(found.feedback.f1);
     Contact& contact = out.emplace_back();
-    contact.body_a = a->body;
-    contact.body_b = b->body;
-    contact.shape_a = a->shape;
-    contact.shape_b = b->shape;
+    contact.body_a = second.body;
+    contact.body_b = first.body;
+    contact.shape_a = second.shape;
+    contact.shape_b = first.shape;
     contact.point = found.point;
     contact.depth = found.depth;
-    contact.normal = found.first == b ? found.normal : Vec3(-found.normal);
-    const Vec3 force = to_vec(found.feedback.f1);
-    contact.force = pushed == b->body ? force : Vec3(-force);
+    contact.normal = found.normal;
+    contact.force = first.holder ? force : Vec3(-force);
   }
-  std::stable_sort(out.begin(), out.end(), comes_before);
 }
 
 std::vector<int> Engine::order() const {

@@ -22,7 +22,7 @@ class Engine {
  public:
   /// The scene at its start, but for static bodies, which are where `poses` has them. Errors: a
   /// body, shape or joint that ODE does not take, with its source position. Throws EngineError.
-  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const Options& options,
+  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model,
                                               const std::vector<Pose>& poses, ShapeData& shapes);
   ~Engine();
   Engine(const Engine&) = delete;
@@ -37,9 +37,10 @@ class Engine {
   /// only the destructor may be called.
   void step(double h, unsigned long& seed);
 
-  bool is_iterative() const { return options_.quick; }
+  /// dWorldQuickStep, else dWorldStep.
+  bool is_iterative() const { return quick_; }
 
-  /// Contacts of the last step, in the order of bodies and shapes.
+  /// Contacts of the last step.
   void report(std::vector<Contact>& out) const;
   void forget_contacts() { touched_ = 0; }
 
@@ -57,8 +58,8 @@ class Engine {
     dJointFeedback feedback{};
   };
 
-  explicit Engine(const SceneModelPtr& model, const Options& options);
-  Result<> add_body(std::size_t b);
+  Engine(const SceneModelPtr& model, const Parameters& options);
+  void add_body(std::size_t b);
   Result<> add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes);
   void add_surfaces();
   static void near(void* self, dGeomID a, dGeomID b);
@@ -68,7 +69,8 @@ class Engine {
   Touch& touch(std::size_t i) const { return touches_[i / kBlock][i % kBlock]; }
 
   SceneModelPtr model_;
-  Options options_;
+  const Parameters options_;
+  bool quick_ = false;
   dWorldID world_ = nullptr;
   dSpaceID space_ = nullptr;
   dJointGroupID contacts_ = nullptr;

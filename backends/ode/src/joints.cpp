@@ -53,11 +53,6 @@ void set_param(dJointID id, int parameter, double value) {
 
 bool has_motors(JointType type) { return type != JointType::fixed && type != JointType::free; }
 
-// Of one speed of a joint; those of a ball share theirs.
-const JointAxis& axis_of(const Joint& joint, int speed) {
-  return joint.axes[std::min(std::size_t(speed), joint.axes.size() - 1)];
-}
-
 // Where ODE, which knows angles from -pi to pi only, has its zero of an axis: in the middle of two
 // stops of which one is beyond that and which it can tell apart, else where the scene's is.
 double zero_between_stops(const Joint& joint, int axis) {
@@ -80,9 +75,8 @@ bool is_wide(const Joint& joint, int axis) {
 }  // namespace
 
 JointLink::JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
-                     const JointEnd& child, const Options& options)
-    : joint_(&model.joints[joint]), parent_(parent), child_(child) {
-  cfm_ = options.cfm;
+                     const JointEnd& child, double cfm)
+    : joint_(&model.joints[joint]), index_(joint), parent_(parent), child_(child), cfm_(cfm) {
   const auto is_mobile = [](const JointEnd& end) {
     return end.body && dBodyIsKinematic(end.id()) == 0;
   };
@@ -246,7 +240,7 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
                          const Pose& X_WM) {
   if (!has_motors(joint_->type) || joint_->axes.empty()) return;
   for (int i = 0; i < speed_count(joint_->type); ++i) {
-    const JointAxis& axis = axis_of(*joint_, i);
+    const JointAxis& axis = axis_of_speed(*joint_, i);
     bool own = !axis.has_limit() && !normal_ && joint_->type != JointType::ball;
     const auto add = [&]() -> Law& {
       return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
@@ -279,7 +273,7 @@ void JointLink::set(Law& law, double velocity, double bound, double cfm) const {
   set_param(law.id, dParamCFM + law.group, cfm);
 }
 
-void JointLink::set(Law& law, const Drive& drive, double h, double* q) const {
+void JointLink::set(Law& law, const Drive& drive, double h, const Position& position) const {
   if (drive.is_speed_source()) return set(law, drive.velocity, drive.max_effort, cfm_);
   // effort = bias + kp (position - q1) + kd (velocity - u1) with q1 = q + h u1 is, solved for u1,
   // u1 = v - cfm effort, which is ODE's motor with
@@ -290,11 +284,7 @@ void JointLink::set(Law& law, const Drive& drive, double h, double* q) const {
     law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
     return push(law.speed, law.applied);
   }
-  double away = 0.0;
-  if (drive.kp > 0.0) {
-    update(q);
-    away = drive.position - q[law.speed];
-  }
+  const double away = drive.kp > 0.0 ? drive.position - position()[law.speed] : 0.0;
   set(law, (drive.bias + drive.kp * away + drive.kd * drive.velocity) / stiff, drive.max_effort,
       1.0 / stiff);
 }
@@ -338,22 +328,20 @@ void JointLink::set_wide_stops(const double* q) const {
 }
 
 void JointLink::drive(double h, const std::vector<Drive>& drives,
-                      const std::vector<double>& efforts, double* q) {
+                      const std::vector<double>& efforts, const Position& position) {
   double u[6];
   if (!id_) return;
-  if (wide_ || has_rotor_) update(q);
-  if (wide_) set_wide_stops(q);
-  if (has_rotor_) velocities(q, u);
+  if (wide_) set_wide_stops(position());
+  if (has_rotor_) velocities(position(), u);
   for (Law& law : laws_) {
     law.applied = 0.0;
-    const JointAxis& axis = axis_of(*joint_, law.speed);
+    const JointAxis& axis = axis_of_speed(*joint_, law.speed);
     if (law.drive >= 0) {
-      set(law, drives[law.drive], h, q);
+      set(law, drives[law.drive], h, position);
     } else if (law.rotor) {
       set(law, u[law.speed], dInfinity, h / axis.rotor_inertia);
     } else if (law.spring) {
-      update(q);
-      law.applied = axis.stiffness * (axis.rest - q[law.speed]);
+      law.applied = axis.stiffness * (axis.rest - position()[law.speed]);
       push(law.speed, law.applied);
     }
   }
@@ -381,14 +369,9 @@ double JointLink::mobility(int speed) const {
 std::vector<double> JointLink::rotor_ratios() const {
   std::vector<double> out(std::size_t(speed_count(joint_->type)), 0.0);
   for (const Law& law : laws_)
-    if (law.rotor) out[law.speed] = axis_of(*joint_, law.speed).rotor_inertia * mobility(law.speed);
+    if (law.rotor)
+      out[law.speed] = axis_of_speed(*joint_, law.speed).rotor_inertia * mobility(law.speed);
   return out;
-}
-
-void JointLink::update(double* q) const {
-  double previous[7];
-  std::copy(q, q + position_count(joint_->type), previous);
-  joint_position(*joint_, relative_pose(*joint_, parent_.pose(), child_.pose()), previous, q);
 }
 
 void JointLink::velocities(const double* q, double* u) const {
@@ -401,13 +384,11 @@ Vec3 JointLink::direction(int speed, const Pose& X_WF, const Pose& X_WM) const {
   if (joint_->type == JointType::universal)
     return speed == 0 ? Vec3(X_WF.q * Vec3::UnitX()) : Vec3(X_WM.q * Vec3::UnitY());
   if (joint_->type == JointType::planar || joint_->type == JointType::ball)
-    return X_WF.q * Vec3::Unit(speed);
+    return X_WF.q * axis_direction(joint_->type, speed);
   return (sign_ > 0.0 ? X_WM.q : X_WF.q) * Vec3::UnitZ();
 }
 
 void JointLink::report(double h, const JointReport& out) const {
-  *out.reaction = {};
-  std::fill(out.joint_efforts, out.joint_efforts + speed_count(joint_->type), 0.0);
   if (!id_) return;
   const Pose X_WF = parent_.pose_before(h) * joint_->X_PF;
   const Pose X_WM = child_.pose_before(h) * joint_->X_CM;

@@ -5,12 +5,12 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "body.h"
 #include "cogrsim/core/result.h"
 #include "cogrsim/physics/drive.h"
-#include "options.h"
 
 namespace cogrsim::ode {
 
@@ -34,23 +34,22 @@ class JointLink {
  public:
   /// Bodies are where the scene has them at its start; they are moved here and left elsewhere.
   JointLink(dWorldID world, const SceneModel& model, int joint, const JointEnd& parent,
-            const JointEnd& child, const Options& options);
+            const JointEnd& child, double cfm);
   JointLink(const JointLink&) = delete;
   JointLink& operator=(const JointLink&) = delete;
 
   const Joint& joint() const { return *joint_; }
+  int index() const { return index_; }
   /// Sets the motors for the next step of `h` and adds what no motor carries to the bodies' forces, and
-  /// `efforts` along the scene's speeds if there are any. `q`: this joint's coordinates, brought up to
-  /// date if the laws need them.
+  /// `efforts` along the scene's speeds if there are any. `position` gives the joint's coordinates now,
+  /// turns counted, and is asked where a law needs them.
+  using Position = std::function<const double*()>;
   void drive(double h, const std::vector<Drive>& drives, const std::vector<double>& efforts,
-             double* q);
+             const Position& position);
   /// By axis: the rotor's inertia over that of the two bodies alone.
   std::vector<double> rotor_ratios() const;
   /// Of the two bodies alone along a speed [1/(kg m^2)], [1/kg].
   double mobility(int speed) const;
-  /// Brings the coordinates up to date; turns are counted from what `q` was.
-  void update(double* q) const;
-  void velocities(const double* q, double* u) const;
   /// After a step of `h`.
   void report(double h, const JointReport& out) const;
 
@@ -82,17 +81,19 @@ class JointLink {
   /// Direction of a speed, given F and M.
   Vec3 direction(int speed, const Pose& X_WF, const Pose& X_WM) const;
   void set(Law& law, double velocity, double bound, double cfm) const;
-  void set(Law& law, const Drive& drive, double h, double* q) const;
+  void set(Law& law, const Drive& drive, double h, const Position& position) const;
+  void velocities(const double* q, double* u) const;
   void push(int speed, double effort) const;
   double stop_angle(int axis) const;
   void set_wide_stops(const double* q) const;
 
   const Joint* joint_ = nullptr;
+  int index_ = -1;                            ///< SceneModel::joints
   JointEnd parent_, child_, first_, second_;  ///< second_: nothing for what is immovable
   double sign_ = 1.0;                         ///< -1: first_ is the parent
-  double cfm_ = 0.0;
-  dJointID id_ = nullptr;      ///< nullptr: nothing that forces could move
-  dJointID normal_ = nullptr;  ///< of a planar joint
+  double cfm_;                                ///< of the world
+  dJointID id_ = nullptr;                     ///< nullptr: nothing that forces could move
+  dJointID normal_ = nullptr;                 ///< of a planar joint
   dJointFeedback feedback_{}, normal_feedback_{};
   std::deque<Law> laws_;
   std::array<double, 6> pushed_{};  ///< efforts from outside in the last step

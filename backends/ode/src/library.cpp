@@ -1,12 +1,9 @@
 #include "library.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <mutex>
 #include <new>
 
@@ -60,17 +57,6 @@ struct Library {
   bool ready = false;
 };
 
-std::string find_version() {
-  std::string out = COGRSIM_ODE_VERSION;
-  Dl_info info{};
-  std::error_code error;
-  if (dladdr(reinterpret_cast<const void*>(&dWorldStep), &info) != 0 && info.dli_fname) {
-    const auto path = std::filesystem::canonical(info.dli_fname, error);
-    if (!error) out += " (" + path.filename().string() + ")";
-  }
-  return out;
-}
-
 }  // namespace
 
 void prepare_thread() {
@@ -78,11 +64,6 @@ void prepare_thread() {
   if (!library.ready) throw EngineError("ODE cannot be initialised");
   thread_local const ThreadData data;
   if (!data.ready) throw EngineError("ODE has no memory for another thread");
-}
-
-const char* library_version() {
-  static const std::string version = find_version();
-  return version.c_str();
 }
 
 void quick_step(dWorldID world, double dt, unsigned long& seed) {

@@ -4,7 +4,6 @@
 #include <ode/ode.h>
 
 #include <stdexcept>
-#include <string>
 
 namespace cogrsim::ode {
 
@@ -16,10 +15,6 @@ struct EngineError : std::runtime_error {
 /// To be called before anything of ODE on every thread; cheap after the first time. Throws
 /// EngineError.
 void prepare_thread();
-
-/// "0.16.2 (libode.so.8.0.2)": ODE has no function that says its version, so this is that of the
-/// headers and the name of the library that was loaded.
-const char* library_version();
 
 /// dWorldQuickStep with a source of random numbers that belongs to the world: ODE has one for the
 /// whole process, from which it sorts the sweeps. Worlds on several threads take turns here.

@@ -1,9 +1,5 @@
 #include "options.h"
 
-#include <algorithm>
-
-#include "cogrsim/physics/backend_checks.h"
-
 namespace cogrsim::ode {
 
 const ParameterTable& world_option_table() {
@@ -30,26 +26,6 @@ const ParameterTable& world_option_table() {
           .one_of({"pyramid", "box"}),
   };
   return table;
-}
-
-Result<Options> read_options(const SceneModel& model) {
-  const auto all = physics_options(model, "ode", world_option_table());
-  if (!all) return tl::unexpected(all.error());
-  const auto text = [&](const char* name) { return std::get<std::string>(all->at(name)); };
-  const auto number = [&](const char* name) { return std::get<double>(all->at(name)); };
-  Options out;
-  const bool jointed = std::any_of(
-      model.joints.begin(), model.joints.end(),
-      [](const Joint& joint) { return !joint.removed && joint.type != JointType::free; });
-  out.quick = text("solver") == "quick" || (text("solver") == "auto" && !jointed);
-  out.iterations = static_cast<int>(std::get<std::int64_t>(all->at("iterations")));
-  out.sor = number("sor");
-  out.erp = number("erp");
-  out.cfm = number("cfm");
-  out.contact_max_correcting_velocity = number("contact-max-correcting-velocity");
-  out.contact_surface_layer = number("contact-surface-layer");
-  out.pyramid = text("friction") == "pyramid";
-  return out;
 }
 
 }  // namespace cogrsim::ode

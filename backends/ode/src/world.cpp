@@ -3,32 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cogrsim/core/constants.h"
-
 namespace cogrsim::ode {
 
 // A rotor's inertia over that of the bodies it turns, up to which QuickStep's 20 sweeps hold it: with 100 times a double pendulum is 75 mrad off after 3 s.
 constexpr double kMostRotor = 10.0;
 
-Result<std::unique_ptr<World>> OdeWorld::create(const SceneModelPtr& model) {
-  std::unique_ptr<OdeWorld> world(new OdeWorld);
-  if (auto started = world->start(model); !started) return tl::unexpected(started.error());
-  return world;
-}
-
 Result<> OdeWorld::build(const SceneModelPtr& model, const WorldState& begin) {
   shapes_ = {};
-  Progress progress;
-  progress.q = begin.joint_positions;
-  return make(model, begin.poses, std::move(progress));
+  return make(model, begin.poses, {});
 }
 
 Result<> OdeWorld::make(const SceneModelPtr& model, const std::vector<Pose>& poses,
                         Progress progress) {
-  const auto options = read_options(*model);
-  if (!options) return tl::unexpected(options.error());
   try {
-    auto made = Engine::make(model, *options, poses, shapes_);
+    auto made = Engine::make(model, poses, shapes_);
     if (!made) return tl::unexpected(made.error());
     engine_ = std::move(*made);
   } catch (const EngineError& error) {
@@ -49,9 +37,7 @@ Result<> OdeWorld::make(const SceneModelPtr& model, const std::vector<Pose>& pos
 Result<> OdeWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
                            const SceneChange& change) {
   if (!engine_) return fail("the world has diverged", "", "reset or restore it");
-  Progress progress = now_;
-  progress.q = begin.joint_positions;
-  if (auto made = make(next, begin.poses, std::move(progress)); !made) return made;
+  if (auto made = make(next, begin.poses, Progress(now_)); !made) return made;
   for (const int b : change.kinds) {
     BodyLink& body = engine_->body(static_cast<std::size_t>(b));
     if (!body.exists()) continue;
@@ -59,7 +45,6 @@ Result<> OdeWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
     body.set_twist({});
     body.read(now_.motions[b]);
   }
-  update_joints();
   return {};
 }
 
@@ -93,7 +78,7 @@ StepResult OdeWorld::advance(double dt, const std::vector<Drive>& drives,
   try {
     prepare_thread();
     for (JointLink& link : engine_->joints())
-      link.drive(dt, drives, efforts, now_.q.data() + link.joint().position_offset);
+      link.drive(dt, drives, efforts, [&] { return coordinates(link.index()); });
     for (std::size_t b = 0; b < external_.size(); ++b) engine_->body(b).push(external_[b]);
     engine_->step(dt, now_.seed);
   } catch (const EngineError& error) {
@@ -109,13 +94,6 @@ StepResult OdeWorld::advance(double dt, const std::vector<Drive>& drives,
     return out;
   }
   now_.h = dt;
-  // Turns are counted by looking often enough.
-  if (now_.q.empty()) return {};
-  double fastest = 0.0;
-  for (const Motion& m : now_.motions)
-    fastest = std::max(fastest, m.w[0] * m.w[0] + m.w[1] * m.w[1] + m.w[2] * m.w[2]);
-  now_.turned += 2.0 * dt * std::sqrt(fastest);
-  if (now_.turned > 0.5 * kPi) update_joints();
   return {};
 }
 
@@ -124,35 +102,26 @@ StepResult OdeWorld::lost(int body, std::string what) {
     body = 0;
     while (!engine_->body(static_cast<std::size_t>(body)).exists()) ++body;
   }
-  StepResult out = diverged(body, "1000 km, 100 km/s");
+  StepResult out = diverged(body, kBounds);
   if (!what.empty()) out.message = std::move(what);
   return out;
 }
 
-void OdeWorld::update_joints() {
-  for (const JointLink& link : engine_->joints()) {
-    if (!link.joint().removed) link.update(now_.q.data() + link.joint().position_offset);
-  }
-  now_.turned = 0.0;
+Pose OdeWorld::pose(int body) const {
+  const auto b = static_cast<std::size_t>(body);
+  return engine_ && engine_->body(b).exists() ? engine_->body(b).pose() : last().poses[b];
 }
 
-void OdeWorld::read(WorldState& out) const {
-  const SceneModel& model = *this->model();
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const bool exists = engine_ && engine_->body(b).exists();
-    if (model.bodies[b].removed) continue;
-    out.poses[b] = exists ? engine_->body(b).pose() : last().poses[b];
-    out.twists[b] = exists ? engine_->body(b).twist() : Twist();
-  }
-  if (!engine_) return;
-  for (const JointLink& link : engine_->joints()) {
-    const Joint& joint = link.joint();
-    if (joint.removed) continue;
-    double* const q = out.joint_positions.data() + joint.position_offset;
-    std::copy_n(now_.q.begin() + joint.position_offset, position_count(joint.type), q);
-    link.update(q);
-    link.velocities(q, out.joint_velocities.data() + joint.speed_offset);
-  }
+Twist OdeWorld::twist(int body) const {
+  const auto b = static_cast<std::size_t>(body);
+  return engine_ && engine_->body(b).exists() ? engine_->body(b).twist() : Twist();
+}
+
+double OdeWorld::fastest_spin() const {
+  double square = 0.0;
+  for (const Motion& m : now_.motions)
+    square = std::max(square, m.w[0] * m.w[0] + m.w[1] * m.w[1] + m.w[2] * m.w[2]);
+  return std::sqrt(square);
 }
 
 Result<> OdeWorld::write(const WorldState& state) {
@@ -162,8 +131,6 @@ Result<> OdeWorld::write(const WorldState& state) {
     engine_->body(b).set_pose(state.poses[b]);
     engine_->body(b).set_twist(state.twists[b]);
   }
-  now_.q = state.joint_positions;
-  update_joints();
   (void)read_motions();
   unchecked_ = true;
   engine_->forget_contacts();
@@ -171,8 +138,6 @@ Result<> OdeWorld::write(const WorldState& state) {
 }
 
 void OdeWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.assign(model()->joint_speeds, 0.0);
-  motors.assign(model()->motors.size(), 0.0);
   Wrench unused;
   for (const JointLink& link : engine_->joints())
     link.report(now_.h, {joints.data() + link.joint().speed_offset, motors.data(), &unused});
@@ -180,10 +145,9 @@ void OdeWorld::read_efforts(std::vector<double>& joints, std::vector<double>& mo
 
 void OdeWorld::read_reactions(std::vector<Wrench>& out) const {
   std::vector<double> joints(model()->joint_speeds), motors(model()->motors.size());
-  out.clear();
   for (const JointLink& link : engine_->joints())
-    link.report(now_.h,
-                {joints.data() + link.joint().speed_offset, motors.data(), &out.emplace_back()});
+    link.report(now_.h, {joints.data() + link.joint().speed_offset, motors.data(),
+                         &out[static_cast<std::size_t>(link.index())]});
 }
 
 HostedWorld::MemoryPtr OdeWorld::save_memory() const {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 #include "engine.h"
 
@@ -13,7 +12,6 @@ namespace cogrsim::ode {
 
 class OdeWorld final : public HostedWorld {
  public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
   std::vector<Diagnostic> warnings() const override;
 
  private:
@@ -21,21 +19,19 @@ class OdeWorld final : public HostedWorld {
   struct Progress final : HostedMemory {
     unsigned long seed = 0;
     std::vector<Motion> motions;  ///< of ODE's bodies (nbody)
-    std::vector<double> q;        ///< of joints
-    double turned = 0.0;     ///< how far anything may have turned since `q` was brought up to date
-    double h = 0.0;          ///< of the last step
-    std::vector<int> order;  ///< Engine::order(), of what is saved
+    double h = 0.0;               ///< of the last step
+    std::vector<int> order;       ///< Engine::order(), of what is saved
   };
 
-  OdeWorld() = default;
   const char* engine_name() const override { return "ode"; }
-  Result<> check(const SceneModel& model) const override { return check_motors(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override;
+  Twist twist(int body) const override;
+  double fastest_spin() const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
   void read_contacts(std::vector<Contact>& out) const override { engine_->report(out); }
@@ -52,7 +48,6 @@ class OdeWorld final : public HostedWorld {
   void write_motions();
   /// The first body beyond all bounds after reading all; -1: none.
   int read_motions();
-  void update_joints();
   StepResult lost(int body, std::string what);
 
   ShapeData shapes_;

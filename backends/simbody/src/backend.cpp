@@ -8,6 +8,7 @@
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
+#include "cogrsim/physics/hosted_backend.h"
 
 namespace cogrsim::simbody {
 
@@ -41,10 +42,8 @@ Capabilities make_capabilities() {
     out.set(std::string("motor.") + to_string(mode), Support::approximate,
             "its effort is found at the start of a step and constant over it");
   out.set("motor.torque", Support::exact);
-  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force",
-               "contact.stiffness", "runtime.add", "runtime.remove", "runtime.set_state",
-               "runtime.attach", "runtime.body_kind", "runtime.joint_axes"},
-              Support::exact);
+  set_world_features(out);
+  out.set("contact.stiffness", Support::exact);
   out.set_all({"contact.rolling-friction", "contact.spinning-friction"}, Support::approximate,
               "turns at up to 0.01 rad/s under loads that it should hold (transition-velocity)");
   out.set("contact.surface-velocity", Support::approximate,
@@ -62,20 +61,22 @@ Capabilities make_capabilities() {
   return out;
 }
 
-class SimbodyBackend final : public Backend {
+std::string find_version() {
+  int major = 0, minor = 0, build = 0;
+  SimTK_version_simbody(&major, &minor, &build);
+  return std::to_string(major) + "." + std::to_string(minor) +
+         (build > 0 ? "." + std::to_string(build) : std::string());
+}
+
+class SimbodyBackend final : public HostedBackend<SimbodyWorld> {
  public:
-  SimbodyBackend() {
+  SimbodyBackend()
+      : HostedBackend("simbody", find_version(), make_capabilities(), world_option_table()) {
     // Bullet's distance queries do not look whether malloc gave them memory. It keeps these for the
     // whole process, so they must be functions that are never unloaded.
     btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),
                             static_cast<void (*)(void*)>(::operator delete));
-    int major = 0, minor = 0, build = 0;
-    SimTK_version_simbody(&major, &minor, &build);
-    version_ = std::to_string(major) + "." + std::to_string(minor) +
-               (build > 0 ? "." + std::to_string(build) : std::string());
   }
-  const char* name() const override { return "simbody"; }
-  const char* engine_version() const override { return version_.c_str(); }
   Provenance provenance(const Parameters& parameters) const override {
     const Options options = options_from(parameters);
     Provenance out;
@@ -86,14 +87,14 @@ class SimbodyBackend final : public Backend {
     out.integrator += options.integrator == "semi-explicit-euler" || options.substeps > 0
                           ? ", fixed steps"
                           : ", accuracy " + option_text(ParameterValue(options.accuracy));
-    const auto engine = ComputedBy::engine, ours = ComputedBy::cogrsim;
+    const auto ours = ComputedBy::cogrsim;
     if (options.trackers) {
-      out[StepStage::broad_phase] = {engine, "ContactTrackerSubsystem"};
-      out[StepStage::narrow_phase] = {engine, "ContactTracker::HalfSpaceSphere and the like"};
-      out[StepStage::contact_memory] = {engine, "ContactSnapshot"};
-      out[StepStage::contact_law] = {engine, "CompliantContactSubsystem"};
-      out[StepStage::friction] = {engine, "CompliantContactSubsystem"};
-      out[StepStage::restitution] = {engine, "dissipation of CompliantContactSubsystem"};
+      out.by_engine(StepStage::broad_phase, "ContactTrackerSubsystem");
+      out.by_engine(StepStage::narrow_phase, "ContactTracker::HalfSpaceSphere and the like");
+      out.by_engine(StepStage::contact_memory, "ContactSnapshot");
+      out.by_engine(StepStage::contact_law, "CompliantContactSubsystem");
+      out.by_engine(StepStage::friction, "CompliantContactSubsystem");
+      out.by_engine(StepStage::restitution, "dissipation of CompliantContactSubsystem");
     } else {
       out[StepStage::broad_phase] = {ours, "Detector"};
       out[StepStage::narrow_phase] = {ours, "Detector, with Bullet's btGjkPairDetector for hulls"};
@@ -103,26 +104,17 @@ class SimbodyBackend final : public Backend {
       out[StepStage::friction] = {ours, "Force::Custom, Hollars' friction"};
       out[StepStage::restitution] = {ours, "Force::Custom, Hunt and Crossley's dissipation"};
     }
-    out[StepStage::joints] = {engine,
-                              "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
-                              "Constraint::Weld; rotors and couplings: rows of Constraint::Custom"};
-    out[StepStage::limits] = {engine, "Force::MobilityLinearStop"};
+    out.by_engine(StepStage::joints,
+                  "MobilizedBody, loops cut by MultibodyGraphMaker and closed by "
+                  "Constraint::Weld; rotors and couplings: rows of Constraint::Custom");
+    out.by_engine(StepStage::limits, "Force::MobilityLinearStop");
     out[StepStage::motors] = {
         ours,
         "efforts found by Drives, applied by Force::MobilityDiscreteForce, stiff dampers' too; "
         "springs and dampers: Force::MobilityLinearSpring, MobilityLinearDamper"};
-    out[StepStage::integrator] = {engine, out.integrator.c_str()};
+    out.by_engine(StepStage::integrator, out.integrator);
     return out;
   }
-  const Capabilities& capabilities() const override { return capabilities_; }
-  const ParameterTable& world_options() const override { return world_option_table(); }
-  Result<std::unique_ptr<World>> create_world(const SceneModelPtr& model) const override {
-    return SimbodyWorld::create(model);
-  }
-
- private:
-  Capabilities capabilities_ = make_capabilities();
-  std::string version_;
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/model/joint_kinematics.h"
+
 namespace cogrsim::simbody {
 
 Drives::Drives(Mechanism& mechanism) : mechanism_(mechanism) {
@@ -14,7 +16,7 @@ Drives::Drives(Mechanism& mechanism) : mechanism_(mechanism) {
     const Joint& joint = model.joints[j];
     if (joint.removed || joint.axes.empty()) continue;
     for (int i = 0; i < speed_count(joint.type); ++i) {
-      const JointAxis& axis = joint.axes[joint.type == JointType::ball ? 0 : std::size_t(i)];
+      const JointAxis& axis = axis_of_speed(joint, i);
       if (axis.friction > 0.0) add(mechanism, int(j), i, -1, axis.friction);
       if (axis.damping > 0.0) add(mechanism, int(j), i, kDamper, 0.0);
     }

@@ -259,7 +259,7 @@ void Mechanism::add_rotors() {
       Rotor rotor;
       rotor.link = int(l);
       rotor.axis = i;
-      rotor.inertia = joint.axes[joint.type == JointType::ball ? 0 : std::size_t(i)].rotor_inertia;
+      rotor.inertia = axis_of_speed(joint, i).rotor_inertia;
       if (rotor.inertia <= 0.0) continue;
       const SimTK::Body::Rigid body(
           SimTK::MassProperties(1, SimTK::Vec3(0), SimTK::Inertia(rotor.inertia)));
@@ -324,7 +324,7 @@ void Mechanism::add_axes(const Joint& joint, const Link& link) {
   if (ball && (joint.axes[0].has_limit() || joint.axes[0].stiffness > 0.0))
     throw std::runtime_error("it has no stop or spring for the ball joint '" + joint.name + "'");
   for (int i = 0; i < speed_count(joint.type); ++i) {
-    const JointAxis& axis = joint.axes[ball ? 0 : std::size_t(i)];
+    const JointAxis& axis = axis_of_speed(joint, i);
     AxisForces made;
     made.joint = link.joint;
     made.effort = joint.speed_offset + i;

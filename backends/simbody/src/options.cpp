@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cogrsim/physics/backend_checks.h"
-
 namespace cogrsim::simbody {
 
 namespace {
@@ -86,8 +84,8 @@ const ParameterTable& world_option_table() {
 }
 
 Options options_from(const Parameters& p) {
-  const auto text = [&](const char* key) { return std::get<std::string>(p.at(key)); };
-  const auto number = [&](const char* key) { return std::get<double>(p.at(key)); };
+  const auto text = [&](const char* key) { return value_of<std::string>(p, key); };
+  const auto number = [&](const char* key) { return value_of<double>(p, key); };
   Options out;
   out.integrator = text("integrator");
   out.accuracy = number("accuracy");
@@ -98,10 +96,6 @@ Options options_from(const Parameters& p) {
   out.modulus = number("modulus");
   out.stop_dissipation = number("stop-dissipation");
   return out;
-}
-
-Result<Options> read_options(const SceneModel& model) {
-  return physics_options(model, "simbody", world_option_table()).map(options_from);
 }
 
 std::string integrator_class(const std::string& name) { return find_method(name).type; }

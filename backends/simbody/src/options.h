@@ -25,9 +25,6 @@ struct Options {
 };
 
 Options options_from(const Parameters& complete);
-/// Errors: what complete_parameters() finds, with its source position.
-Result<Options> read_options(const SceneModel& model);
-
 /// The integrator's class as Simbody calls it.
 std::string integrator_class(const std::string& name);
 

@@ -5,12 +5,13 @@
 #include <cstring>
 #include <exception>
 
+#include "cogrsim/physics/backend_checks.h"
+
 namespace cogrsim::simbody {
 
 namespace {
 
-constexpr double kFarthest = 1e6;  // [m]
-constexpr double kFastest = 1e6;   // [m/s], [rad/s]
+constexpr StateBounds kBounds{1e6, 1e6, 1e6};
 constexpr int kMostSteps = 20000;  // of the integrator in one of the world's
 
 // Force of Simbody's stop, see Force::MobilityLinearStop.
@@ -41,16 +42,10 @@ SimbodyWorld::Engine::Engine(SceneModelPtr model, StaticPoses poses, const Optio
   drives.locate();
 }
 
-Result<std::unique_ptr<World>> SimbodyWorld::create(const SceneModelPtr& model) {
-  if (!model) return fail("no scene given");
-  const auto options = read_options(*model);
-  if (!options) return tl::unexpected<Error>(options.error());
-  std::unique_ptr<SimbodyWorld> out(new SimbodyWorld(*options));
-  if (auto started = out->start(model); !started) return tl::unexpected<Error>(started.error());
-  return out;
-}
-
 Result<> SimbodyWorld::build(const SceneModelPtr& model, const WorldState& begin) {
+  const auto options = physics_options(*model, "simbody", world_option_table());
+  if (!options) return tl::unexpected<Error>(options.error());
+  options_ = options_from(*options);
   try {
     engine_ = std::make_shared<Engine>(
         model, std::make_shared<const std::vector<Pose>>(begin.poses), options_);
@@ -106,7 +101,7 @@ StepResult SimbodyWorld::advance(double dt, const std::vector<Drive>& drives,
     if (!engine.drives.empty() || pushed) integrator_->reinitialize(SimTK::Stage::Dynamics, false);
     run_integrator(start + dt);
     engine.mechanism.system.realize(state(), SimTK::Stage::Velocity);
-    if (const int b = find_diverged(state()); b >= 0) result = diverged(b, "1000 km, 1000 km/s");
+    if (const int b = find_diverged(state()); b >= 0) result = diverged(b, kBounds);
   } catch (const std::bad_alloc&) {
     throw;  // no fault of the world's
   } catch (const std::exception& e) {
@@ -177,17 +172,13 @@ int SimbodyWorld::find_diverged(const SimTK::State& state) const {
   for (const Link& link : engine_->mechanism.links()) {
     const SimTK::Vec3& p = link.mobod.getBodyOriginLocation(state);
     const SimTK::SpatialVec& V = link.mobod.getBodyVelocity(state);
-    // Written so that a NaN fails.
-    if (!(p.normSqr() < kFarthest * kFarthest && V[1].normSqr() < kFastest * kFastest &&
-          V[0].normSqr() < kFastest * kFastest))
-      return link.body;
+    if (!kBounds.hold(p.normSqr(), V[1].normSqr(), V[0].normSqr())) return link.body;
   }
   return -1;
 }
 
 void SimbodyWorld::read_reactions(std::vector<Wrench>& out) const {
   const Mechanism& m = engine_->mechanism;
-  out.assign(model()->joints.size(), Wrench());
   if (out.empty()) return;
   m.system.realize(state(), SimTK::Stage::Acceleration);
   SimTK::Vector_<SimTK::SpatialVec> at_M;

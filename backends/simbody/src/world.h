@@ -10,14 +10,12 @@
 #include "mechanism.h"
 #include "trackers.h"
 
-#include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/hosted_world.h"
 
 namespace cogrsim::simbody {
 
 class SimbodyWorld final : public HostedWorld {
  public:
-  static Result<std::unique_ptr<World>> create(const SceneModelPtr& model);
   double evaluation_time() const override { return 0.5; }
 
  private:
@@ -39,15 +37,21 @@ class SimbodyWorld final : public HostedWorld {
     SimTK::State start;
   };
 
-  explicit SimbodyWorld(const Options& options) : options_(options) {}
   const char* engine_name() const override { return "simbody"; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override;
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override;
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  void prepare_reading() const override {
+    engine_->mechanism.system.realize(state(), SimTK::Stage::Velocity);
+  }
+  Pose pose(int body) const override { return engine_->mechanism.pose(state(), body); }
+  Twist twist(int body) const override { return engine_->mechanism.twist(state(), body); }
+  bool has_coordinates(int joint) const override {
+    return engine_->mechanism.joint_link(joint) >= 0;
+  }
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
   void read_contacts(std::vector<Contact>& out) const override { out = contacts_.get(last_dt_); }

@@ -53,15 +53,7 @@ void take_impact(const Mechanism& m, SimTK::State& state, const WorldState& seen
 
 Result<> SimbodyWorld::rebuild(const SceneModelPtr& next, const WorldState& begin,
                                const SceneChange& change) {
-  // Bodies with an inelastic impact: of a new joint, or made static.
-  std::vector<int> inelastic;
-  for (const int j : change.attached)
-    inelastic.insert(inelastic.end(), {next->joints[j].parent, next->joints[j].child});
-  for (const int b : change.kinds) {
-    for (const Joint& joint : next->joints)
-      if (!joint.removed && (joint.parent == b || joint.child == b))
-        inelastic.insert(inelastic.end(), {joint.parent, joint.child});
-  }
+  const std::vector<int> inelastic = struck_bodies(*next, change);
   const std::shared_ptr<Engine> old = engine_;
   stop_integrator();
   try {
@@ -105,7 +97,7 @@ SimTK::State SimbodyWorld::carried_over(const Mechanism& old, const WorldState& 
     const Joint& joint = m.model().joints[link.joint];
     double q[7], u[6];
     std::copy_n(seen.joint_positions.data() + joint.position_offset, position_count(joint.type), q);
-    read_joint(joint, seen, q, u);
+    cogrsim::read_joint(joint, seen, q, u);
     m.set_joint(next, link, q, u);
   }
   m.set_rates(next);
@@ -116,34 +108,16 @@ SimTK::State SimbodyWorld::carried_over(const Mechanism& old, const WorldState& 
   return next;
 }
 
-void SimbodyWorld::read(WorldState& out) const {
-  const SceneModel& model = *this->model();
+bool SimbodyWorld::read_joint(int joint, double* q, double* u) const {
   const Mechanism& m = engine_->mechanism;
-  const SimTK::State& now = state();
-  m.system.realize(now, SimTK::Stage::Velocity);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].removed) continue;
-    out.poses[b] = m.pose(now, int(b));
-    out.twists[b] = m.twist(now, int(b));
-  }
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    double* const q = out.joint_positions.data() + joint.position_offset;
-    double* const u = out.joint_velocities.data() + joint.speed_offset;
-    const int link = m.joint_link(int(j));
-    // Between bodies that no force moves: what their motion makes of it.
-    if (link >= 0)
-      m.get_joint(now, m.links()[link], q, u);
-    else if (!joint.removed)
-      read_joint(joint, out, q, u);
-  }
+  const int link = m.joint_link(joint);
+  if (link >= 0) m.get_joint(state(), m.links()[link], q, u);
+  return link >= 0;
 }
 
 void SimbodyWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.resize(efforts_.size());
   std::transform(efforts_.begin(), efforts_.end(), joints.begin(),
                  [&](double impulse) { return impulse / last_dt_; });
-  motors.assign(model()->motors.size(), 0.0);
   engine_->drives.get_efforts(state(), joints, motors);
   engine_->mechanism.add_coupling_efforts(state(), joints);
 }

@@ -71,6 +71,12 @@ bool axis_turns(JointType type, int i) {
   }
 }
 
+Vec3 axis_direction(JointType type, int i) {
+  const bool along_z = type == JointType::hinge || type == JointType::slider ||
+                       type == JointType::screw || type == JointType::cylindrical;
+  return along_z ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Unit(i % 3));
+}
+
 Pose joint_pose(const Joint& joint, const double* q) {
   Pose X_FM;
   switch (joint.type) {

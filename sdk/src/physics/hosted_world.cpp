@@ -1,7 +1,12 @@
 #include "cogrsim/physics/hosted_world.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "cogrsim/core/constants.h"
 #include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim {
@@ -23,16 +28,26 @@ Result<> HostedWorld::start(const SceneModelPtr& model) {
   WorldState begin = initial_state(*model);
   if (auto built = build(model, begin); !built) return built;
   initial_ = model;
-  last_ = std::move(begin);
   time_ = 0.0;
   twists_.clear();
-  take_scene(model);
+  take_scene(model, std::move(begin));
   forget_report();
   return {};
 }
 
-void HostedWorld::take_scene(const SceneModelPtr& model) {
+Result<> HostedWorld::check(const SceneModel& model) const { return check_parts(model); }
+
+void HostedWorld::take_scene(const SceneModelPtr& model, WorldState state) {
   model_ = model;
+  last_ = std::move(state);
+  positions_ = last_.joint_positions;
+  turned_ = 0.0;
+  followed_.clear();
+  for (std::size_t j = 0; j < model->joints.size(); ++j) {
+    const Joint& joint = model->joints[j];
+    const bool moves = !joint.removed && position_count(joint.type) > 0;
+    if (moves && !has_coordinates(static_cast<int>(j))) followed_.push_back(static_cast<int>(j));
+  }
   for (std::size_t b = twists_.size(); b < model->bodies.size(); ++b) {
     const Body& body = model->bodies[b];
     twists_.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
@@ -44,6 +59,11 @@ StepResult HostedWorld::diverged(int body, const std::string& bounds) const {
   return {StepStatus::diverged, body,
           "body '" + model_->bodies[static_cast<std::size_t>(body)].name + "' left all bounds (" +
               bounds + ") in " + engine_name()};
+}
+
+StepResult HostedWorld::diverged(int body, const StateBounds& bounds) const {
+  return diverged(body,
+                  fmt::format("{:g} km, {:g} km/s", 1e-3 * bounds.distance, 1e-3 * bounds.speed));
 }
 
 StepResult HostedWorld::step(double dt, const std::vector<Drive>& drives) {
@@ -63,53 +83,107 @@ StepResult HostedWorld::step(double dt, const std::vector<Drive>& drives) {
   }
   held_.reset();
   time_ += dt;
+  count_turns(dt);
   return out;
+}
+
+Pose HostedWorld::pose_of(int body) const {
+  if (body == kWorld) return {};
+  const Body& it = model_->bodies[static_cast<std::size_t>(body)];
+  const bool still = it.removed || it.kind == BodyKind::static_body;
+  return still ? last_.poses[static_cast<std::size_t>(body)] : pose(body);
+}
+
+void HostedWorld::follow(int joint) {
+  const Joint& it = model_->joints[static_cast<std::size_t>(joint)];
+  double* const q = positions_.data() + it.position_offset;
+  double u[6];
+  if (read_joint(joint, q, u)) return;
+  joint_position(it, relative_pose(it, pose_of(it.parent), pose_of(it.child)), q, q);
+}
+
+const double* HostedWorld::coordinates(int joint) {
+  follow(joint);
+  return positions_.data() + model_->joints[static_cast<std::size_t>(joint)].position_offset;
+}
+
+void HostedWorld::count_turns(double dt) {
+  if (followed_.empty()) return;
+  // Two bodies turn against each other by at most twice that; half a turn may not be missed.
+  turned_ += 2.0 * dt * fastest_spin();
+  if (turned_ < 0.5 * kPi) return;
+  turned_ = 0.0;
+  prepare_reading();
+  for (const int joint : followed_) follow(joint);
 }
 
 void HostedWorld::get_state(WorldState& out) const {
   const SceneModel& model = *model_;
   out.poses.resize(model.bodies.size());
   out.twists.resize(model.bodies.size());
-  out.joint_positions = last_.joint_positions;
+  out.joint_positions = positions_;
   out.joint_velocities.resize(static_cast<std::size_t>(model.joint_speeds));
+  prepare_reading();
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
-    if (body.kind == BodyKind::kinematic) out.twists[b] = twists_[b];
-    if (!body.removed) continue;
-    out.poses[b] = last_.poses[b];
-    out.twists[b] = last_.twists[b];
+    const bool still = body.removed || body.kind == BodyKind::static_body;
+    out.poses[b] = still ? last_.poses[b] : pose(static_cast<int>(b));
+    out.twists[b] = body.removed ? last_.twists[b] : still ? Twist() : twist(static_cast<int>(b));
   }
-  for (const Joint& joint : model.joints) {
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    double* const q = out.joint_positions.data() + joint.position_offset;
+    double* const u = out.joint_velocities.data() + joint.speed_offset;
     if (joint.removed)
-      std::copy_n(last_.joint_velocities.begin() + joint.speed_offset, speed_count(joint.type),
-                  out.joint_velocities.begin() + joint.speed_offset);
+      std::copy_n(last_.joint_velocities.begin() + joint.speed_offset, speed_count(joint.type), u);
+    else if (!read_joint(static_cast<int>(j), q, u))
+      cogrsim::read_joint(joint, out, q, u);
   }
-  read(out);
-  if (!held_) {
-    read_efforts(out.joint_efforts, out.motor_efforts);
-    couplings_.add_to(out.joint_efforts);
-    return;
-  }
+  if (!held_) return efforts(out.joint_efforts, out.motor_efforts);
   out.joint_efforts = held_->joint_efforts;
   out.motor_efforts = held_->motor_efforts;
+}
+
+void HostedWorld::efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  joints.assign(static_cast<std::size_t>(model_->joint_speeds), 0.0);
+  motors.assign(model_->motors.size(), 0.0);
+  read_efforts(joints, motors);
+  couplings_.add_to(joints);
+}
+
+void HostedWorld::contacts(std::vector<Contact>& out) const {
+  out.clear();
+  read_contacts(out);
+  for (Contact& contact : out) {
+    if (contact.body_a <= contact.body_b) continue;
+    std::swap(contact.body_a, contact.body_b);
+    std::swap(contact.shape_a, contact.shape_b);
+    contact.normal = -contact.normal;
+    contact.force = -contact.force;
+  }
+  std::stable_sort(out.begin(), out.end(), comes_before);
+}
+
+void HostedWorld::reactions(std::vector<Wrench>& out) const {
+  out.assign(model_->joints.size(), Wrench());
+  read_reactions(out);
 }
 
 StepReport HostedWorld::report() const {
   if (held_) return *held_;
   StepReport out;
-  read_efforts(out.joint_efforts, out.motor_efforts);
-  couplings_.add_to(out.joint_efforts);
-  read_reactions(out.reactions);
-  read_contacts(out.contacts);
+  efforts(out.joint_efforts, out.motor_efforts);
+  reactions(out.reactions);
+  contacts(out.contacts);
   return out;
 }
 
 void HostedWorld::get_contacts(std::vector<Contact>& out) const {
-  held_ ? void(out = held_->contacts) : read_contacts(out);
+  held_ ? void(out = held_->contacts) : contacts(out);
 }
 
 void HostedWorld::get_joint_reactions(std::vector<Wrench>& out) const {
-  held_ ? void(out = held_->reactions) : read_reactions(out);
+  held_ ? void(out = held_->reactions) : reactions(out);
 }
 
 Result<> HostedWorld::set_state(const WorldState& state) {
@@ -127,6 +201,8 @@ Result<> HostedWorld::set_state(const WorldState& state) {
   for (std::size_t b = 0; b < twists_.size(); ++b) {
     if (model_->bodies[b].kind == BodyKind::kinematic) twists_[b] = placed.twists[b];
   }
+  positions_ = std::move(placed.joint_positions);
+  turned_ = 0.0;
   couplings_.forget();
   forget_report();
   return {};
@@ -151,8 +227,7 @@ Result<> HostedWorld::change_to(const SceneModelPtr& next, SceneStep step) {
   if (auto built = rebuild(next, begin, *change); !built) return built;
   kept.carry_over(*next);
   held_ = std::move(kept);
-  last_ = std::move(begin);
-  take_scene(next);
+  take_scene(next, std::move(begin));
   return {};
 }
 
@@ -177,10 +252,9 @@ Result<> HostedWorld::restore(const SnapshotPtr& snapshot) {
   if (!same_names(*saved->initial, *initial_))
     return fail("the snapshot is of another scene than '" + initial_->name + "'");
   if (auto done = restore_memory(saved->model, saved->memory, saved->last); !done) return done;
-  model_ = saved->model;
   time_ = saved->time;
-  last_ = saved->last;
   twists_ = saved->twists;
+  take_scene(saved->model, saved->last);
   couplings_ = saved->couplings;
   held_ = saved->report;
   return {};

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <dlfcn.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cogrsim/model/scene_model.h"
@@ -48,6 +51,14 @@ const Parameters& block_of(const std::map<std::string, Parameters>& blocks, cons
 }
 
 }  // namespace
+
+std::string library_version(const std::string& headers, const void* address) {
+  Dl_info info{};
+  std::error_code error;
+  if (::dladdr(address, &info) == 0 || !info.dli_fname) return headers;
+  const auto path = std::filesystem::canonical(info.dli_fname, error);
+  return error ? headers : headers + " (" + path.filename().string() + ")";
+}
 
 const char* to_string(StepStage stage) {
   switch (stage) {

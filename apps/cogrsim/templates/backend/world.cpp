@@ -124,32 +124,26 @@ cogrsim::StepResult FlightWorld::advance(double dt, const std::vector<cogrsim::D
   return {};
 }
 
-void FlightWorld::read(cogrsim::WorldState& out) const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (model()->bodies[i].removed) continue;
-    const flight::Body& body = bodies_[i];
-    const Vec3 arm = body.orientation * moved_point(model()->bodies[i]);
-    out.poses[i] = {body.position - arm, cogrsim::Quat(body.orientation)};
-    const Twist V{body.velocity, body.angular_velocity};
-    const bool moves = body.motion != flight::Motion::still;
-    out.twists[i] = moves ? Twist{V.at(-arm), body.angular_velocity} : Twist();
-  }
+Pose FlightWorld::pose(int body) const {
+  const flight::Body& it = bodies_[static_cast<std::size_t>(body)];
+  return {it.position - arm(body), cogrsim::Quat(it.orientation)};
+}
+
+Twist FlightWorld::twist(int body) const {
+  const flight::Body& it = bodies_[static_cast<std::size_t>(body)];
+  const Twist V{it.velocity, it.angular_velocity};
+  return {V.at(-arm(body)), V.angular};
+}
+
+Vec3 FlightWorld::arm(int body) const {
+  const auto i = static_cast<std::size_t>(body);
+  return bodies_[i].orientation * moved_point(model()->bodies[i]);
 }
 
 Result<> FlightWorld::write(const cogrsim::WorldState& state) {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (!model()->bodies[i].removed) bodies_[i] = make_body(*model(), state, i);
   return {};
-}
-
-// There are no joints.
-void FlightWorld::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
-  joints.assign(static_cast<std::size_t>(model()->joint_speeds), 0.0);
-  motors.assign(model()->motors.size(), 0.0);
-}
-
-void FlightWorld::read_reactions(std::vector<cogrsim::Wrench>& out) const {
-  out.assign(model()->joints.size(), {});
 }
 
 cogrsim::HostedWorld::MemoryPtr FlightWorld::save_memory() const {

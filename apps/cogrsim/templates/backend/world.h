@@ -32,11 +32,13 @@ class FlightWorld final : public cogrsim::HostedWorld {
                             const cogrsim::SceneChange& change) override;
   cogrsim::StepResult advance(double dt, const std::vector<cogrsim::Drive>& drives,
                               const std::vector<double>& efforts) override;
-  void read(cogrsim::WorldState& out) const override;
+  cogrsim::Pose pose(int body) const override;
+  cogrsim::Twist twist(int body) const override;
   cogrsim::Result<> write(const cogrsim::WorldState& state) override;
-  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;
-  void read_contacts(std::vector<cogrsim::Contact>& out) const override { out.clear(); }
-  void read_reactions(std::vector<cogrsim::Wrench>& out) const override;
+  // There are no joints, and nothing touches.
+  void read_efforts(std::vector<double>&, std::vector<double>&) const override {}
+  void read_contacts(std::vector<cogrsim::Contact>&) const override {}
+  void read_reactions(std::vector<cogrsim::Wrench>&) const override {}
   MemoryPtr save_memory() const override;
   cogrsim::Result<> restore_memory(const cogrsim::SceneModelPtr& model, const MemoryPtr& memory,
                                    const cogrsim::WorldState& begin) override;
@@ -45,6 +47,9 @@ class FlightWorld final : public cogrsim::HostedWorld {
   void* extension(std::string_view id) override {
     return id == KinematicDrive::kId ? static_cast<KinematicDrive*>(this) : nullptr;
   }
+
+  /// From a body's origin to the point that the engine moves, in world axes.
+  cogrsim::Vec3 arm(int body) const;
 
   int substeps_;
   std::vector<flight::Body> bodies_;  // one per entry of SceneModel::bodies

@@ -80,6 +80,13 @@ using ParameterTable = std::vector<ParameterSpec>;
 /// Parameter values by name, in SI units.
 using Parameters = std::map<std::string, ParameterValue>;
 
+/// A value of complete parameters, of the type that its table declares: `T` is bool, std::int64_t,
+/// double, std::string or std::vector<double>.
+template <class T>
+const T& value_of(const Parameters& complete, const char* name) {
+  return std::get<T>(complete.at(name));
+}
+
 /// Checks `given` against `table` and fills in the defaults. A number with an integral value is
 /// accepted for an integer, an integer for a number, and either for a list of one element. The
 /// error lists every problem on a line of its own: the parameter and the expected type, range or

@@ -1,6 +1,7 @@
 // Kinematics of the joints: the definition of the joint coordinates that all engines share.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "cogrsim/model/scene_model.h"
@@ -11,6 +12,15 @@ namespace cogrsim {
 /// [m/s]. The coordinate of the same index has the corresponding unit ([rad] or [m]), except for
 /// ball and free joints, whose orientation is a quaternion.
 COGRSIM_API bool axis_turns(JointType type, int i);
+
+/// The axis of that speed where all coordinates are zero and F and M are one: a unit vector, for ball
+/// joints and the six speeds of free ones, too.
+COGRSIM_API Vec3 axis_direction(JointType type, int i);
+
+/// What acts along speed `i` of a joint that has axes; the speeds of a ball share one entry.
+inline const JointAxis& axis_of_speed(const Joint& joint, int i) {
+  return joint.axes[std::min(static_cast<std::size_t>(i), joint.axes.size() - 1)];
+}
 
 /// Pose X_FM of the child's joint frame M in the parent's joint frame F for the coordinates `q`
 /// (position_count(type) entries).

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,32 @@ inline void set_joint_features(Capabilities& out) {
     out.set(std::string("motor.") + to_string(mode), Support::exact);
 }
 
+/// Sets a feature of one type of joint: with parts {"joint.", "joint.limit."} joint.TYPE and
+/// joint.limit.TYPE.
+inline void set_joint_parts(Capabilities& out, JointType type,
+                            std::initializer_list<const char*> parts, Support support,
+                            const std::string& note) {
+  for (const char* part : parts) out.set(std::string(part) + to_string(type), support, note);
+}
+
+/// Sets all of a type of joint that an engine does not have to unsupported.
+inline void lack_joint(Capabilities& out, JointType type, const std::string& note) {
+  set_joint_parts(
+      out, type,
+      {"joint.", "loop.", "joint.limit.", "joint.damping.", "joint.friction.", "joint.stiffness."},
+      Support::unsupported, note);
+}
+
+/// Sets what most engines do as the scene says to exact: kinds of bodies and forces on them, changes
+/// and snapshots of a world, reports. A backend then sets the features that differ.
+inline void set_world_features(Capabilities& out) {
+  out.set_all({"body.static", "body.kinematic", "body.gravity-scale", "body.force", "runtime.add",
+               "runtime.remove", "runtime.save", "runtime.set_state", "runtime.attach",
+               "runtime.body_kind", "runtime.joint_axes", "report.contact_force",
+               "report.joint_reaction", "report.joint_effort"},
+              Support::exact);
+}
+
 /// Check for Backend::create_world() and World::add(). Errors: a motor acts on a joint without an
 /// axis to drive, with the source location. No capability covers this case.
 inline Result<> check_motors(const SceneModel& model) {
@@ -110,10 +137,26 @@ inline Result<> check_masses(const SceneModel& model) {
   return {};
 }
 
-/// check_motors(), then check_masses().
+/// Check for Backend::create_world() and World::add(). Errors: a surface on a body that forces move, with
+/// the source location. No capability covers this case.
+inline Result<> check_surfaces(const SceneModel& model) {
+  for (const Body& body : model.bodies)
+    for (const Shape& shape : body.shapes) {
+      if (body.removed || body.kind != BodyKind::dynamic) continue;
+      if (!shape.collides || !is_surface(shape.type)) continue;
+      return fail("body '" + body.name + "': a " + std::string(to_string(shape.type)) +
+                      " cannot be moved by forces",
+                  source_position(model, shape.origin),
+                  "make the body static or kinematic, or use a convex-mesh");
+    }
+  return {};
+}
+
+/// check_motors(), check_masses(), check_surfaces().
 inline Result<> check_parts(const SceneModel& model) {
   if (auto fine = check_motors(model); !fine) return fine;
-  return check_masses(model);
+  if (auto fine = check_masses(model); !fine) return fine;
+  return check_surfaces(model);
 }
 
 /// Options that the scene sets for an engine, completed by the defaults of `table`. Errors: those of

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cogrsim/core/export.h"
@@ -78,6 +79,10 @@ struct Provenance {
   const StageOrigin& operator[](StepStage stage) const {
     return stages[static_cast<std::size_t>(stage)];
   }
+  /// Declares that the engine computes a stage, by a class or function of its own.
+  void by_engine(StepStage stage, std::string name) {
+    (*this)[stage] = {ComputedBy::engine, std::move(name)};
+  }
 };
 
 /// The provenance of a run of `model` on `backend`. Errors: the backend does not have an option of
@@ -90,6 +95,10 @@ COGRSIM_API Result<> check_provenance(const Provenance& provenance);
 
 /// The text of an option value in a scene: "50", "0.2", "true", "dantzig", "1 2 3".
 COGRSIM_API std::string option_text(const ParameterValue& value);
+
+/// The version of an engine whose library has no function that says it: that of its headers, and the
+/// name of the library's file that has the function at `address`: "0.16.2 (libode.so.8.0.2)".
+COGRSIM_API std::string library_version(const std::string& headers, const void* address);
 
 /// Summary in one line: "Bullet Physics 3.24, sequential impulse, maximal coordinates,
 /// semi-implicit Euler".

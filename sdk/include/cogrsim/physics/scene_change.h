@@ -150,6 +150,18 @@ inline Result<SceneChange> find_scene_change(const SceneModel& now, const SceneM
   return out;
 }
 
+/// The bodies of an inelastic impact that a change makes: of new joints, and what is joined to a body
+/// that has become static or dynamic. The world may be among them.
+inline std::vector<int> struck_bodies(const SceneModel& next, const SceneChange& change) {
+  std::vector<int> out;
+  const auto add = [&](const Joint& joint) { out.insert(out.end(), {joint.parent, joint.child}); };
+  for (const int j : change.attached) add(next.joints[j]);
+  for (const int b : change.kinds)
+    for (const Joint& joint : next.joints)
+      if (!joint.removed && (joint.parent == b || joint.child == b)) add(joint);
+  return out;
+}
+
 /// Largest constraint violation of a joint when it is attached.
 inline constexpr double kAttachGap = 1e-3;  ///< [m], [rad]
 

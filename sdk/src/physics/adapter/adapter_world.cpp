@@ -32,8 +32,6 @@ class AdapterWorld final : public HostedWorld {
         process_->exchange(AdapterCall::free, time()))
       pool_->give_back(std::move(process_));
   }
-  using HostedWorld::start;
-
   void* extension(std::string_view id) override {
     const auto lacks = [&](const char* feature) {
       return about().capabilities.get(feature).support == Support::unsupported;
@@ -49,7 +47,6 @@ class AdapterWorld final : public HostedWorld {
  protected:
   const char* engine_name() const override { return pool_->manifest().name.c_str(); }
   bool lacks_couplings() const override { return about().lacks_couplings; }
-  Result<> check(const SceneModel& model) const override { return check_parts(model); }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override {
     return build_as(model, begin, false);
   }
@@ -59,7 +56,13 @@ class AdapterWorld final : public HostedWorld {
   }
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override;
-  void read(WorldState& out) const override;
+  Pose pose(int body) const override { return state_.poses[static_cast<std::size_t>(body)]; }
+  Twist twist(int body) const override {
+    const auto b = static_cast<std::size_t>(body);
+    return scene_->bodies[b].kind == BodyKind::kinematic ? twists()[b] : state_.twists[b];
+  }
+  bool has_coordinates(int) const override { return true; }
+  bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override {
     put_state(state);
     return take(AdapterCall::write, scene_, state);
@@ -215,8 +218,8 @@ std::string AdapterWorld::take_answer(const SceneModel& model, unsigned wanted, 
     out.joint_velocities.resize(speeds);
     for (const Joint& joint : model.joints)
       if (!joint.removed)
-        read_joint(joint, out, out.joint_positions.data() + joint.position_offset,
-                   out.joint_velocities.data() + joint.speed_offset);
+        cogrsim::read_joint(joint, out, out.joint_positions.data() + joint.position_offset,
+                            out.joint_velocities.data() + joint.speed_offset);
   }
   return wanted == 0 ? std::string() : take_reports(model, wanted, at, count - least);
 }
@@ -264,15 +267,8 @@ std::string AdapterWorld::take_contacts(const SceneModel& model, const double* f
     c.normal = {from[7], from[8], from[9]};
     c.depth = from[10];
     c.force = {from[11], from[12], from[13]};
-    if (c.body_a > c.body_b) {
-      std::swap(c.body_a, c.body_b);
-      std::swap(c.shape_a, c.shape_b);
-      c.normal = -c.normal;
-      c.force = -c.force;
-    }
     from += kContactNumbers;
   }
-  std::stable_sort(contacts_.begin(), contacts_.end(), comes_before);
   return {};
 }
 
@@ -330,23 +326,11 @@ StepResult AdapterWorld::advance(double dt, const std::vector<Drive>& drives,
   return {};
 }
 
-void AdapterWorld::read(WorldState& out) const {
-  const SceneModel& model = *scene_;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const Body& body = model.bodies[b];
-    if (body.removed) continue;
-    const bool stands = body.kind == BodyKind::static_body;
-    out.poses[b] = stands ? last().poses[b] : state_.poses[b];
-    if (body.kind == BodyKind::dynamic) out.twists[b] = state_.twists[b];
-    if (stands) out.twists[b] = Twist();
-  }
-  for (const Joint& joint : model.joints) {
-    if (joint.removed) continue;
-    std::copy_n(state_.joint_positions.begin() + joint.position_offset, position_count(joint.type),
-                out.joint_positions.begin() + joint.position_offset);
-    std::copy_n(state_.joint_velocities.begin() + joint.speed_offset, speed_count(joint.type),
-                out.joint_velocities.begin() + joint.speed_offset);
-  }
+bool AdapterWorld::read_joint(int joint, double* q, double* u) const {
+  const Joint& it = scene_->joints[static_cast<std::size_t>(joint)];
+  std::copy_n(state_.joint_positions.begin() + it.position_offset, position_count(it.type), q);
+  std::copy_n(state_.joint_velocities.begin() + it.speed_offset, speed_count(it.type), u);
+  return true;
 }
 
 /// Asks for what did not come with the step.
