@@ -193,9 +193,12 @@ class Resumption {
     }
   }
 
-  static void take_reading(const Json& saved, Reading& reading) {
+  static void take_reading(const Json& saved, const SensorModel& sensor, std::size_t channels,
+                           Reading& reading) {
     reading.sequence = whole_from<std::uint64_t>(saved.at("sequence"));
     reading.values = numbers_from(saved.at("values"));
+    if (!reading.values.empty() && reading.values.size() != channels)
+      throw Damaged("the sensor '" + sensor.name + "' has not as many values as its type");
     reading.time = number_from(saved.at("time"));
     reading.valid = saved.at("valid").get<bool>();
     const Json& pose = saved.value("pose", Json());  // not in older snapshots
@@ -227,11 +230,12 @@ class Resumption {
       // With other parameters the number of channels may differ.
       if (walk.size() != memory.walk.size()) continue;
       memory.walk = walk;
-      take_reading(saved, memory.reading);
+      const std::size_t channels = to_.devices.sensors().channels(i).size();
+      take_reading(saved, sensor, channels, memory.reading);
       if (sensor.latency <= 0.0 || !saved.contains("in_flight")) continue;
       for (const Json& it : saved.at("in_flight")) {
         Reading reading = memory.reading;
-        take_reading(it, reading);
+        take_reading(it, sensor, channels, reading);
         memory.in_flight.push_back(std::move(reading));
       }
     }
