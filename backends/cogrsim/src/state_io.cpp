@@ -3,6 +3,8 @@
 #include <cmath>
 #include <exception>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/scene_state.h"
@@ -197,6 +199,7 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
 
   const bool carry_udot = from.stepper.memory.udot.size() == old.state.nu();
   Values udot = Values::Zero(m.state.nu());
+  std::vector<std::pair<const Link*, const Link*>> same;  // and as it was
   for (const Link& link : m.links()) {
     const std::size_t body = std::size_t(link.plan.body);
     if (body >= old_bodies || old_model.bodies[body].removed) continue;
@@ -208,6 +211,7 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
     const Link* const was = old_index < 0 ? nullptr : &old.links()[std::size_t(old_index)];
     if (was && was->plan.joint == link.plan.joint && was->plan.reversed == link.plan.reversed &&
         was->plan.body == link.plan.body) {
+      same.emplace_back(&link, was);
       for (int k = 0; k < link.nq; ++k)
         m.state.change_q()[link.first_q + k] = old.state.q()[was->first_q + k];
       for (int k = 0; k < link.nu; ++k) {
@@ -231,6 +235,17 @@ void DynamicsWorld::carry_over(const Engine& from, const WorldState& before) {
     std::copy(joint.position.begin(), joint.position.end(), q);
     read_joint(joint, seen, q, u);
     m.set_joint(link, q, u);
+  }
+
+  // Before the last step; of what is new, as it is.
+  if (progress_.start_u.size() == old.state.nu()) {
+    Values q = m.state.q(), u = m.state.u();
+    for (const auto& [link, was] : same) {
+      for (int k = 0; k < link->nq; ++k) q[link->first_q + k] = progress_.start_q[was->first_q + k];
+      for (int k = 0; k < link->nu; ++k) u[link->first_u + k] = progress_.start_u[was->first_u + k];
+    }
+    progress_.start_q = q;
+    progress_.start_u = u;
   }
 
   // Efforts and impulses: the flat arrays only grew.

@@ -108,7 +108,9 @@ bool Stepper::build_rows(double h) {
   context_.bounce_threshold = model_.physics.bounce_threshold;
   context_.u = mechanism_.state.u().data();
   context_.start_udot = start_udot_.data();
-  context_.udot = udot_.data();
+  // With loops udot_ is found once more before the contacts' rows are made.
+  if (mechanism_.has_loops()) row_udot_ = udot_;
+  context_.udot = (mechanism_.has_loops() ? row_udot_ : udot_).data();
   context_.start_q = &q0_;
   context_.start_u = &u0_;
   joints_.clear();

@@ -124,7 +124,7 @@ class Stepper {
   std::vector<FreeMomentum> momenta_, start_momenta_;
   std::vector<Gain> gained_;  ///< (ncomponent)
   Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
-      mean_, smooth_q_, smooth_u_;
+      mean_, smooth_q_, smooth_u_, row_udot_;
   std::vector<double> dv_, displacement_;  ///< by speed
 };
 

@@ -143,6 +143,7 @@ SceneModelPtr Builder::fragment() {
   forces_and_targets();
   material_pairs();
   collision_pairs();
+  check_delays();
   if (sink().has_errors()) return nullptr;
   start();
   spring_lengths();

@@ -109,9 +109,10 @@ const double* HostedWorld::coordinates(int joint) {
 
 void HostedWorld::count_turns(double dt) {
   if (followed_.empty()) return;
-  // Two bodies turn against each other by at most twice that; half a turn may not be missed.
+  // Two bodies turn against each other by at most twice that; half a turn may not be missed, of which the next step
+  // may take nine tenths.
   turned_ += 2.0 * dt * fastest_spin();
-  if (turned_ < 0.5 * kPi) return;
+  if (turned_ < 0.1 * kPi) return;
   turned_ = 0.0;
   prepare_reading();
   for (const int joint : followed_) follow(joint);
@@ -195,6 +196,11 @@ Result<> HostedWorld::set_state(const WorldState& state) {
     if (!body.removed && body.kind != BodyKind::static_body) continue;
     placed.poses[b] = last_.poses[b];
     placed.twists[b] = body.removed ? last_.twists[b] : Twist();
+  }
+  for (const Joint& joint : model_->joints) {
+    if (!joint.removed) continue;
+    std::copy_n(last_.joint_positions.begin() + joint.position_offset, position_count(joint.type),
+                placed.joint_positions.begin() + joint.position_offset);
   }
   place_by_joints(*model_, placed);
   if (auto written = write(placed); !written) return written;

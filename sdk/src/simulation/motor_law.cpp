@@ -108,9 +108,9 @@ void take_targets(const SceneModel& model, double time, double dt,
       state.acting = state.target;
       continue;
     }
-    if (state.target != newest) state.waiting.push_back({time + delay, state.target});
+    if (state.target != newest) state.waiting.push_back({time, state.target});
     // A boundary counts as reached up to a millionth of a step earlier, as for rates.
-    while (!state.waiting.empty() && state.waiting.front().time <= time + 1e-6 * dt) {
+    while (!state.waiting.empty() && state.waiting.front().time + delay <= time + 1e-6 * dt) {
       state.acting = state.waiting.front().target;
       state.waiting.pop_front();
     }
@@ -150,9 +150,13 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
       case MotorMode::velocity:
         drives[i] = velocity_drive(target, on_curve(towards(target, speed, motor), last));
         break;
-      case MotorMode::torque:
-        drives[i] = torque_drive(target, max_speed, on_curve(target, target));
+      case MotorMode::torque: {
+        // Beyond its largest speed it brakes.
+        const bool brakes = speed * target > 0.0 && std::abs(speed) > max_speed;
+        const double wanted = brakes ? -target : target;
+        drives[i] = torque_drive(target, max_speed, on_curve(wanted, wanted));
         break;
+      }
       case MotorMode::position: {
         // First-order approach; a time constant below one step would overshoot.
         const double rate = (target - q) / std::max(motor.response, dt);
@@ -161,9 +165,10 @@ void make_drives(const SceneModel& model, const WorldState& state, double dt,
         break;
       }
       case MotorMode::servo: {
-        const double wanted =
-            motor.kp * (target - q) + motor.ki * motors[i].integral - motor.kd * speed;
-        drives[i] = servo_drive(motor, motors[i], q, last, dt, max_speed, on_curve(wanted, last));
+        drives[i] = servo_drive(motor, motors[i], q, last, dt, max_speed, max_effort);
+        const Drive& law = drives[i];
+        const double wanted = law.kp * (law.position - q) + law.bias - law.kd * speed;
+        drives[i].max_effort = on_curve(wanted, last);
         break;
       }
       case MotorMode::dc:

@@ -12,7 +12,7 @@ namespace cogrsim {
 
 /// A target that has not acted yet.
 struct DelayedTarget {
-  double time = 0.0;  ///< from which it acts [s]
+  double time = 0.0;  ///< of the step in which it was set [s]
   double target = 0.0;
 };
 

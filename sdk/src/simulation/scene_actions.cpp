@@ -5,6 +5,7 @@
 
 #include "cogrsim/core/expression.h"
 #include "cogrsim/model/builder.h"
+#include "cogrsim/sensing/sensor_models.h"
 #include "core/index.h"
 #include "geometry/clearance.h"
 #include "geometry/surface_distance.h"
@@ -110,6 +111,8 @@ Result<> SceneActions::add(const AddAssembly& action, const std::string& subject
   if (!next) return tl::unexpected(next.error());
   next = host_.reduced(std::move(*next));
   if (auto good = check_supported(**next); !good) return good;
+  if (const auto found = unusable_delays(**next, clock_.dt()); !found.empty())
+    return tl::unexpected(found.front().error);
   if (!action.fragment->controllers.empty()) {
     auto named = std::make_shared<SceneModel>(**next);
     name_outputs(*named, loader_);
@@ -213,8 +216,9 @@ Result<> SceneActions::apply(const Spawn& action) {
     const double draw = random.uniform();
     events_.memory.random = random.state();
     if (free.empty()) {
-      return fail("cannot add '" + name + "': none of its " + std::to_string(action.candidate_poses.size()) +
-                  " poses is free; at the first '" + in_the_way + "' is in the way");
+      return fail("cannot add '" + name + "': none of its " +
+                  std::to_string(action.candidate_poses.size()) + " poses is free; at the first '" +
+                  in_the_way + "' is in the way");
     }
     const auto chosen = static_cast<std::size_t>(draw * static_cast<double>(free.size()));
     pose = action.candidate_poses[free[std::min(chosen, free.size() - 1)]] * action.pose;

@@ -115,7 +115,7 @@ RunStatus Simulation::Impl::step() {
   };
   devices.follow_signals(*this);
   forces.apply(host, clock, channels, *this);
-  limits.check(host, clock, log);
+  limits.check_start(host, clock, log);
   const StepResult result =
       host.step(clock.time(), clock.dt(), devices.make_drives(), wants_accelerations());
   cached.reset();
@@ -133,6 +133,7 @@ RunStatus Simulation::Impl::step() {
     return status;
   }
   clock.advance();
+  limits.check(host, clock, log);
   events.process(host, devices.sensors(), *this);
   show_frame();
   events.clear();

@@ -22,10 +22,13 @@ double thickness(const SceneModel& model, const Shape& shape) {
 
 void StepLimits::check(WorldHost& host, const Clock& clock, MessageLog& log) {
   constexpr std::uint64_t kEvery = 64;  // steps
-  const std::uint64_t since = clock.steps() % kEvery;
-  // At the start, too: a hit in the first step may take the spin that it starts with.
-  if (since <= 1) spin_reported_ = spin_reported_ || check_spin(host, clock, log);
-  if (since == 1) overlap_reported_ = overlap_reported_ || check_overlap(host, log);
+  if (clock.steps() % kEvery != 1) return;
+  spin_reported_ = spin_reported_ || check_spin(host, clock, log);
+  overlap_reported_ = overlap_reported_ || check_overlap(host, log);
+}
+
+void StepLimits::check_start(WorldHost& host, const Clock& clock, MessageLog& log) {
+  if (clock.steps() == 0) spin_reported_ = spin_reported_ || check_spin(host, clock, log);
 }
 
 bool StepLimits::check_spin(WorldHost& host, const Clock& clock, MessageLog& log) {

@@ -13,7 +13,9 @@ namespace cogrsim {
 /// Warns once in a run about each kind of motion that the step does not hold.
 class StepLimits {
  public:
-  /// Before a step. Looks in some of them only, because reading the state has a cost.
+  /// Before a step: a hit in the first may take the spin that a body starts with.
+  void check_start(WorldHost& host, const Clock& clock, MessageLog& log);
+  /// After a step. Looks in some of them only, because reading the state has a cost.
   void check(WorldHost& host, const Clock& clock, MessageLog& log);
 
  private:

@@ -103,7 +103,8 @@ class Planner {
     std::vector<PlannedLink>& links = plan_.links;
     std::vector<int> root(links.size()), tree(links.size());  // of the component, of the tree
     const auto find = [&](int i) {
-      while (root[std::size_t(i)] != i) i = root[std::size_t(i)];
+      while (root[std::size_t(i)] != i)
+        i = root[std::size_t(i)] = root[std::size_t(root[std::size_t(i)])];
       return i;
     };
     const auto tie = [&](int a, int b) {
@@ -121,7 +122,8 @@ class Planner {
       if (links[i].shadow) tie(int(i), plan_.body_link[std::size_t(links[i].body)]);
     // Coupled joints are of one component, so that a coupling is one row of one side.
     for (const Coupling& coupling : model_.couplings) {
-      const int first = coupling.removed ? -1 : plan_.joint_link[std::size_t(coupling.joint)];
+      if (coupling.removed) continue;
+      const int first = plan_.joint_link[std::size_t(coupling.joint)];
       for (const CouplingTerm& term : coupling.terms) {
         const int other = plan_.joint_link[std::size_t(term.joint)];
         if (moves(first) && moves(other)) tie(first, other);

@@ -111,11 +111,9 @@ inline void set_world_features(Capabilities& out) {
 /// axis to drive, with the source location. No capability covers this case.
 inline Result<> check_motors(const SceneModel& model) {
   for (const Motor& motor : model.motors) {
+    if (motor.removed) continue;
     const JointType type = model.joints[motor.joint].type;
-    if (motor.removed ||
-        (type != JointType::ball && type != JointType::free && type != JointType::fixed)) {
-      continue;
-    }
+    if (type != JointType::ball && type != JointType::free && type != JointType::fixed) continue;
     return fail("motor '" + motor.name + "': a " + std::string(to_string(type)) +
                     " joint has no axis to drive",
                 source_position(model, motor.origin),

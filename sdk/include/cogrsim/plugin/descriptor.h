@@ -12,7 +12,7 @@
 #include "cogrsim/core/parameter.h"
 
 /// Incremented whenever an interface that plugins use changes its layout or meaning.
-#define COGRSIM_ABI_VERSION 8
+#define COGRSIM_ABI_VERSION 9
 
 #if defined(__clang__)
 #define COGRSIM_COMPILER_TAG clang

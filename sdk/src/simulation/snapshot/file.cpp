@@ -117,9 +117,9 @@ void put_devices(const Simulation::Impl& from, const WorldState& state, Json& co
     if (model.sensors[i].removed) continue;
     const SensorMemory& memory = devices.sensors[i];
     Json one = reading_json(memory.reading), in_flight = Json::array();
-    // Pictures are not in a snapshot, and a reading without its picture is none.
+    // Pictures and lists of contacts are not in a snapshot, and a reading without them is none.
     for (const Reading& reading : memory.in_flight)
-      if (!reading.picture) in_flight.push_back(reading_json(reading));
+      if (!reading.picture && reading.contacts.empty()) in_flight.push_back(reading_json(reading));
     one["type"] = model.sensors[i].type;
     one["rate"] = model.sensors[i].rate;
     one["ticks"] = memory.timer.next();

@@ -161,13 +161,16 @@ class Resumption {
         continue;
       }
       devices.motors[i].target = clamp_target(model, motor, number_from(saved.at("target")));
-      // Older files do not have the rest. Without its delay a motor takes the target at once.
-      if (saved.contains("acting")) {
+      devices.motors[i].acting = devices.motors[i].target;
+      if (saved.contains("acting")) {  // not in older files
         devices.motors[i].acting = clamp_target(model, motor, number_from(saved.at("acting")));
-        if (motor.delay > 0.0)
-          for (const Json& it : saved.at("waiting"))
-            devices.motors[i].waiting.push_back(
-                {number_from(it.at(0)), clamp_target(model, motor, number_from(it.at(1)))});
+        for (const Json& it : saved.at("waiting")) {
+          if (motor.delay <= 0.0) break;
+          const DelayedTarget next{number_from(it.at(0)),
+                                   clamp_target(model, motor, number_from(it.at(1)))};
+          check_order("motor", motor.name, devices.motors[i].waiting, next.time);
+          devices.motors[i].waiting.push_back(next);
+        }
       }
       devices.motors[i].integral = number_from(saved.at("integral"));
       if (saved.contains("follows"))  // not in older files
@@ -191,6 +194,15 @@ class Resumption {
     } else {
       timer.skip_to(to_.clock.time(), to_.clock.dt());
     }
+  }
+
+  // What is under way has been set or measured before now, one after the other.
+  template <class Queue>
+  void check_order(const char* kind, const std::string& name, const Queue& queue, double time) {
+    const double now = number_from(content_.at("clock").at("time"));
+    if (!(time >= 0.0 && time <= now) || (!queue.empty() && time < queue.back().time))
+      throw Damaged(std::string("the ") + kind + " '" + name + "' has something under way from " +
+                    "another time than before that of the snapshot");
   }
 
   static void take_reading(const Json& saved, const SensorModel& sensor, std::size_t channels,
@@ -236,6 +248,7 @@ class Resumption {
       for (const Json& it : saved.at("in_flight")) {
         Reading reading = memory.reading;
         take_reading(it, sensor, channels, reading);
+        check_order("sensor", sensor.name, memory.in_flight, reading.time);
         memory.in_flight.push_back(std::move(reading));
       }
     }
