@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "common/interrupt.h"
 #include "common/progress.h"
 
 namespace cogrsim::cli {
@@ -187,6 +188,17 @@ void CasePool::end(double grace) {
   for (const Child& child : children_) kill(child.pid, SIGTERM);
   for (const auto asked_at = Clock::now(); running() > 0 && seconds_since(asked_at) < grace;)
     wait(20);
+}
+
+bool run_cases(CasePool& pool, std::size_t count, const std::function<Json(std::size_t)>& input,
+               const std::function<void(FinishedCase&)>& take) {
+  std::size_t next = 0;
+  while (!interrupted() && (next < count || pool.running() > 0)) {
+    for (; next < count && pool.has_free_slot(); ++next)
+      if (!pool.start(next, input(next))) return false;
+    for (FinishedCase& one : pool.wait(100)) take(one);
+  }
+  return true;
 }
 
 }  // namespace cogrsim::cli

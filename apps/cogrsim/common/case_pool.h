@@ -77,4 +77,9 @@ class CasePool {
   std::vector<Child> children_;
 };
 
+/// Runs `count` cases, each as `input` gives it, and gives `take` each when it ends. False: a process could
+/// not be started. Where the command is interrupted, the rest is not run.
+bool run_cases(CasePool& pool, std::size_t count, const std::function<Json(std::size_t)>& input,
+               const std::function<void(FinishedCase&)>& take);
+
 }  // namespace cogrsim::cli

@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <limits>
 #include <set>
-#include <thread>
 
 #include <fmt/format.h>
 #include <boost/math/distributions/students_t.hpp>
 
 #include "cogrsim/physics/backend_choice.h"
-#include "common/interrupt.h"
 #include "common/output_file.h"
 #include "common/refuse.h"
 #include "common/scene_loading.h"
@@ -424,27 +422,23 @@ std::string percent_text(const Estimate& e) {
 std::string first_difference(const Question& q) {
   const double until = std::min(2.0, *q.plan.options.scene.duration);
   CasePool::Limits limits;
-  limits.jobs = q.plan.options.jobs > 0 ? q.plan.options.jobs
-                                        : int(std::max(1u, std::thread::hardware_concurrency()));
+  limits.jobs = case_limits(q.plan.options).jobs;
   CasePool pool("sweep-case", limits, sweep_outcome);
   const std::size_t count = q.plan.options.seeds.size();
   std::vector<Json> results(2 * count);
-  std::size_t next = 0;
   const auto& changes = q.plan.options.variations[1].values;
-  while (!interrupted() && (next < results.size() || pool.running() > 0)) {
-    while (next < results.size() && pool.has_free_slot()) {
-      const Side& side = next < count ? q.good : q.bad;
-      const auto at = std::find_if(changes.begin(), changes.end(), [&](const dsl::StudyValue& v) {
-        return v.text == side.settings;
-      });
-      Json input = q.plan.input({{0, std::size_t(at - changes.begin())},
-                                 q.plan.options.seeds[next % count],
-                                 side.backend});
-      input["until"] = input["trace"] = until;
-      if (!pool.start(next++, input)) return {};
-    }
-    for (FinishedCase& one : pool.wait(100)) results[one.id] = std::move(one.result);
-  }
+  const auto input_of = [&](std::size_t i) {
+    const Side& side = i < count ? q.good : q.bad;
+    const auto at = std::find_if(changes.begin(), changes.end(),
+                                 [&](const dsl::StudyValue& v) { return v.text == side.settings; });
+    Json input = q.plan.input(
+        {{0, std::size_t(at - changes.begin())}, q.plan.options.seeds[i % count], side.backend});
+    input["until"] = input["trace"] = until;
+    return input;
+  };
+  if (!run_cases(pool, results.size(), input_of,
+                 [&](FinishedCase& one) { results[one.id] = std::move(one.result); }))
+    return {};
   std::size_t rows = std::numeric_limits<std::size_t>::max();
   for (const Json& r : results) {
     // What decides at other times is not compared decision by decision.

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "cogrsim/rendering/standard_view.h"
 #include "common/case_pool.h"
-#include "common/interrupt.h"
 #include "common/terminal.h"
 #include "compare/report_pictures.h"
 #include "compare/zoom_chart.h"
 #include "sweep/sweep_case.h"
+#include "sweep/sweep_command.h"
 
 namespace cogrsim::cli {
 namespace {
@@ -100,28 +99,19 @@ Filmstrips make_filmstrips(const SweepPlan& plan, const TransferTable& table, in
                            one_line(row.values[v]));
     out.strips.push_back({std::move(title), {{"problem", "the run was not made"}}});
   }
-  CasePool::Limits limits;
-  limits.jobs = plan.options.jobs > 0
-                    ? plan.options.jobs
-                    : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  limits.timeout = plan.options.timeout;
-  limits.memory_limit = plan.options.memory_limit;
-  CasePool pool("sweep-case", limits, sweep_outcome);
-  std::size_t next = 0;
-  while (!interrupted() && (next < cases.size() || pool.running() > 0)) {
-    while (next < cases.size() && pool.has_free_slot()) {
-      Json input = plan.input(*cases[next]);
-      input["pictures"] = count;
-      if (!pool.start(next++, input)) return out;
-    }
-    for (FinishedCase& one : pool.wait(100)) {
-      Json& result = out.strips[one.id].result;
-      if (one.result.is_object() && one.result.contains("strip"))
-        result = std::move(one.result["strip"]);
-      else
-        result["problem"] = start_of(one.result, "cause");
-    }
-  }
+  CasePool pool("sweep-case", case_limits(plan.options), sweep_outcome);
+  const auto input_of = [&](std::size_t i) {
+    Json input = plan.input(*cases[i]);
+    input["pictures"] = count;
+    return input;
+  };
+  run_cases(pool, cases.size(), input_of, [&](FinishedCase& one) {
+    Json& result = out.strips[one.id].result;
+    if (one.result.is_object() && one.result.contains("strip"))
+      result = std::move(one.result["strip"]);
+    else
+      result["problem"] = start_of(one.result, "cause");
+  });
   return out;
 }
 

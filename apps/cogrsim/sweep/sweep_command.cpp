@@ -26,14 +26,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-CasePool::Limits limits_of(const SweepOptions& options, int default_jobs) {
-  CasePool::Limits limits;
-  limits.jobs = options.jobs > 0 ? options.jobs : default_jobs;
-  limits.timeout = options.timeout;
-  limits.memory_limit = options.memory_limit;
-  return limits;
-}
-
 class SweepProgress {
  public:
   SweepProgress(std::string title, std::size_t before, std::size_t all)
@@ -146,8 +138,8 @@ int run_all(const SweepPlan& plan, const Study& study, RankMessages* messages) {
   if (before > 0) {
     std::fprintf(stderr, "%zu of %zu runs are in the table already\n", before, plan.cases.size());
   }
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  CasePool pool("sweep-case", limits_of(plan.options, messages ? 1 : cores), sweep_outcome);
+  const auto jobs = messages ? std::optional<int>(1) : std::nullopt;
+  CasePool pool("sweep-case", case_limits(plan.options, jobs), sweep_outcome);
   RankWorkers workers(messages);
   const auto start = Clock::now();
   std::size_t added = 0;
@@ -216,7 +208,7 @@ int run_for_others(const SweepOptions& options, const std::optional<SweepPlan>& 
                    RankMessages& messages) {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
-  CasePool pool("sweep-case", limits_of(options, 1), sweep_outcome);
+  CasePool pool("sweep-case", case_limits(options, 1), sweep_outcome);
   bool greeted = false;
   std::uint64_t expected = 0;
   for (;;) {
@@ -271,6 +263,15 @@ int merge(const SweepOptions& options) {
 }
 
 }  // namespace
+
+CasePool::Limits case_limits(const SweepOptions& options, std::optional<int> jobs) {
+  CasePool::Limits limits;
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  limits.jobs = options.jobs > 0 ? options.jobs : jobs.value_or(cores);
+  limits.timeout = options.timeout;
+  limits.memory_limit = options.memory_limit;
+  return limits;
+}
 
 std::string sweep_line(std::size_t done, std::size_t failed, std::size_t before, std::size_t all,
                        double elapsed, int width, const std::string& title) {

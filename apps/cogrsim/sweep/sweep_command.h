@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/case_pool.h"
 #include "sweep/sweep_plan.h"
 
 namespace CLI {
@@ -25,6 +26,9 @@ double seconds_from(const char* option, const std::string& argument);
 
 /// `--jobs`, `--timeout`, `--retry` and `--dry-run`; the text of the timeout is for seconds_from().
 void add_processes(CLI::App& command, SweepOptions& options, std::string& timeout);
+
+/// What its processes may do; without `--jobs` so many at a time as there are cores, or `jobs`.
+CasePool::Limits case_limits(const SweepOptions& options, std::optional<int> jobs = std::nullopt);
 
 int sweep_command(const SweepOptions& options);
 
