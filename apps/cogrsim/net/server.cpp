@@ -39,6 +39,7 @@ using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t kHeadBytes = 32u << 10;   // other servers of this machine set cookies
+constexpr std::size_t kReadBytes = 64u << 10;
 constexpr std::size_t kLingerBytes = 256u << 10;  // read and thrown away behind a refusal
 constexpr std::chrono::seconds kLinger{2}, kGoodbye{1};
 
@@ -119,8 +120,10 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
         websocket::stream_base::decorator([subprotocol](websocket::response_type& answer) {
           answer.set(http::field::sec_websocket_protocol, subprotocol);
         }));
-    socket_.read_message_max(role_ == Role::viewer ? limits.viewer_message_bytes
-                                                   : limits.message_bytes);
+    // Counted in read(): Beast's own limit closes the socket while bytes are unread, by which the other
+    // side loses the reason (its teardown reads 2 kB, then stops).
+    socket_.read_message_max(0);
+    most_bytes_ = role_ == Role::viewer ? limits.viewer_message_bytes : limits.message_bytes;
     socket_.auto_fragment(false);
     socket_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (!error && !self->server_.stopping) self->join();
@@ -179,10 +182,14 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
   }
 
   void read() {
-    socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error) return self->end();
-      self->take();
-    });
+    socket_.async_read_some(
+        buffer_, kReadBytes, [self = shared_from_this()](error_code error, std::size_t) {
+          if (error) return self->end();
+          if (!self->closing_ && self->buffer_.size() > self->most_bytes_) {
+            self->close(websocket::close_code::too_big, "the message is too long");
+          }
+          self->closing_ || self->socket_.is_message_done() ? self->take() : self->read();
+        });
   }
 
   void take() {
@@ -257,7 +264,8 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
   std::shared_ptr<Mailbox> box_;
   beast::flat_buffer buffer_;
   std::string head_;  // of the message that is being written
-  double allowance_;  // of messages
+  std::size_t most_bytes_ = 0;  // of a message
+  double allowance_;            // of messages
   Clock::time_point counted_ = Clock::now();
   websocket::close_reason reason_;
   bool writing_ = false, closing_ = false, leaving_ = false, ended_ = false;

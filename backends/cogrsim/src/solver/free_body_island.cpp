@@ -416,7 +416,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
   for (std::size_t i = 0; i < groups_.size(); ++i) found_[i] = gaps_[i].position_impulse;
   // What the sweeps left of gaps is found again by the next step; of sliding it is not.
   for (int count = 1; count <= kHoldSweeps; ++count)
-    if (position_sweep_of(count % 2 == 1, true) < idle) break;
+    if (position_sweep_of(count % 2 == 1, true) < (moves_ ? idle : tolerance)) break;
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     if (row_of_[i] < 0) continue;
     const FreeIslandGaps& gaps = gaps_[i / 4];
