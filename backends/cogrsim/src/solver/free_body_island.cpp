@@ -42,10 +42,11 @@ constexpr double kYield = 0.1;
 constexpr int kPatience = 4;
 constexpr double kIdle = 300.0, kIdleMoving = 3000.0, kSlow = 0.7, kStuck = 0.8;
 constexpr double kIdleScale = 0.99;
-// A heap that moves touches elsewhere in the next step: after so many sweeps it takes few gains as none. One is at rest where
-// no contact is faster than this [m/s].
-constexpr int kEnough = 16;
-constexpr double kMoves = 0.05;
+// A heap that moves touches elsewhere in the next step: after kEnough sweeps it takes few gains as none, and of its gaps
+// kPatience sweeps leave what the next step finds again. One is at rest where no contact is faster than half of what
+// falls for a step: kMoves [m/s^2] times the step.
+constexpr int kEnough = 12;
+constexpr double kMoves = 5.0;
 constexpr int kPositionSweeps = 40, kHoldSweeps = 8;
 // Pairs of a bundle are at most so many places apart. Of what is at rest each pair is a bundle: up and down a stack in its
 // order the sweeps converge best.
@@ -147,7 +148,7 @@ FreeIslandGroup& FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIsl
 }
 
 void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
-                          const std::vector<const Component*>& bodies) {
+                          const std::vector<const Component*>& bodies, double h) {
   roots_.assign(bodies.size() + kUnmoved, Root());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Mat3& I = bodies[i]->inverse_inertia;
@@ -162,7 +163,7 @@ void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<Contac
     root.linear = std::sqrt(bodies[i]->inverse_mass);
   }
   moves_ = std::any_of(rows.begin(), rows.end(),
-                       [](const Row& row) { return std::abs(row.now) > kMoves; });
+                       [h](const Row& row) { return std::abs(row.now) > kMoves * h; });
   groups_.clear();
   impulses_.clear();
   normal_blocks_.clear();
@@ -400,7 +401,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
       break;
     }
     if (count % kPatience == 0 || (count == 2 && change < idle)) {
-      if (change < idle || change > kStuck * before) {
+      if (moves_ || change < idle || change > kStuck * before) {
         warm_start_scale = change < idle ? kIdleScale : 0.0;
         break;
       }

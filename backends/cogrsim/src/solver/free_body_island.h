@@ -79,7 +79,7 @@ class FreeBodyIsland {
 
   /// `bodies`: components by their index in `speeds`, six each.
   void fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
-            const std::vector<const Component*>& bodies);
+            const std::vector<const Component*>& bodies, double h);
   int solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                        std::vector<double>& v);
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows,

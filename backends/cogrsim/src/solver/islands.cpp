@@ -309,7 +309,7 @@ double Island::relax_two_normals(const NormalBlock& block) {
   return std::max(std::abs(a * change1 + b * change2), std::abs(b * change1 + d * change2));
 }
 
-void Island::prepare() {
+void Island::prepare(double h) {
   normal_blocks_.clear();
   for (ContactRows& contact : contacts) {
     contact.normal_block = -1;
@@ -322,7 +322,7 @@ void Island::prepare() {
         return contact.kind == FrictionKind::point && contact.turning_rows() == 0;
       });
   if (is_free_body_island_)
-    free_body_island_.fill(rows, contacts, components);
+    free_body_island_.fill(rows, contacts, components, h);
   else
     make_normal_blocks();
 }
@@ -387,12 +387,12 @@ void Island::solve_velocities(const SolverOptions& options, double h) {
     row.bias = kFree;
     row.lambda = 0.0;
   }
-  solve_impacts(options);
+  solve_impacts(options, h);
   if (!waits) return;
   earlier_.assign(rows.size(), 0.0);
   for (int count = 1; count <= kGenerations; ++count) {
     if (!pass_impacts_on(options.bounce_threshold, h, count == kGenerations)) break;
-    solve_impacts(options);
+    solve_impacts(options, h);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].lambda += earlier_[i];
 }
@@ -414,7 +414,7 @@ bool Island::impacts_add_energy() const {
   return work > kNoEnergy * size;
 }
 
-void Island::solve_impacts(const SolverOptions& options) {
+void Island::solve_impacts(const SolverOptions& options, double h) {
   bool may_add = false;
   for (const ContactRows& contact : contacts)
     may_add = may_add || (contact.friction > 0.0 &&
@@ -424,7 +424,7 @@ void Island::solve_impacts(const SolverOptions& options) {
     warm_.resize(rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) warm_[i] = rows[i].lambda;
   }
-  prepare();
+  prepare(h);
   solve_velocities(options);
   if (!may_add || !impacts_add_energy()) return;
   std::vector<double> bounce(rows.size());
@@ -436,7 +436,7 @@ void Island::solve_impacts(const SolverOptions& options) {
       rows[i].lambda = warm_[i];
       if (rows[i].impact == Row::Impact::bounces) rows[i].bias = rows[i].now - share * bounce[i];
     }
-    prepare();
+    prepare(h);
     solve_velocities(options);
     return !impacts_add_energy();
   };

@@ -79,10 +79,10 @@ class Island : public RowSet {
 
  private:
   // Precomputes data for the sweeps.
-  void prepare();
+  void prepare(double h);
   int solve_velocities(const SolverOptions& options);
   // The same, with less restitution where impacts would add energy.
-  void solve_impacts(const SolverOptions& options);
+  void solve_impacts(const SolverOptions& options, double h);
   bool impacts_add_energy() const;
   // Takes up contacts that wait and are closed by what was solved; false: there is none.
   bool pass_impacts_on(double bounce_threshold, double h, bool last);
