@@ -435,15 +435,11 @@ void Stepper::solve_island(double h, std::size_t number, Island& island) {
     contacts_.add_rows(context_, std::size_t(i), memory.contacts, island);
   island.place_rows(mechanism_.components(), start_);
 
-  island.v.resize(island.speeds.size());
-  for (std::size_t k = 0; k < island.speeds.size(); ++k)
-    island.v[k] = dv_[std::size_t(island.speeds[k])];
+  island.scale(dv_.data(), island.v);
   island.solve_velocities(options_.solver, h);
-  for (std::size_t k = 0; k < island.speeds.size(); ++k)
-    dv_[std::size_t(island.speeds[k])] = island.v[k];
+  island.unscale(island.v, dv_.data());
   island.solve_positions(options_.solver, h);
-  for (std::size_t k = 0; k < island.p.size(); ++k)
-    displacement_[std::size_t(island.speeds[k])] = island.p[k];
+  if (!island.p.empty()) island.unscale(island.p, displacement_.data());
   limit_displacements(h, island);
 
   contacts_.take_outcomes(island);

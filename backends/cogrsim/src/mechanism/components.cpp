@@ -114,8 +114,8 @@ void update_component(const Mechanism& mechanism, Component& c) {
     const Link& link = mechanism.links()[std::size_t(c.links[0])];
     const Placement& X = mechanism.motions()[std::size_t(c.links[0])].X;
     c.origin = X * link.com;
-    c.inverse_mass = 1.0 / link.mass;
-    c.inverse_inertia = X.R * link.inverse_inertia * X.R.transpose();
+    c.linear_root = std::sqrt(1.0 / link.mass);
+    c.angular_root = X.R * link.root;
     return;
   }
 
@@ -237,8 +237,8 @@ void solve_tree(const Component& c, double* x, const Component::Range& tree) {
 void solve_mass(const Component& c, double* x) {
   if (c.is_free_body) {
     Eigen::Map<Vec3> angular(x), linear(x + 3);
-    angular = (c.inverse_inertia * angular).eval();
-    linear *= c.inverse_mass;
+    angular = c.angular_root * (c.angular_root.transpose() * angular).eval();
+    linear *= c.linear_root * c.linear_root;
     return;
   }
   for (const Component::Range& tree : c.trees) solve_tree(c, x, tree);

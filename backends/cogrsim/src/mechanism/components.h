@@ -81,8 +81,9 @@ struct Component {
   std::vector<Inertia> inertias;        ///< of each of `links`; not of a free body
   std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size);
                                         ///< not of a free body
-  double inverse_mass = 0.0;            ///< free body only
-  Mat3 inverse_inertia = Mat3::Zero();  ///< free body only, world axes
+  // Of a free body only: M^-1 = root root^T. The solver's speeds of it are scaled by root^-1, see islands.h.
+  double linear_root = 0.0;
+  Mat3 angular_root = Mat3::Zero();     ///< world axes
   std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
                                         ///< its diagonal inverted
   std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored

@@ -55,7 +55,9 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
   link.com = body.com;
   link.weight = body.gravity_scale * link.mass * model_->physics.gravity;
   link.inertia = plan.share * body.inertia;
-  link.inverse_inertia = link.inertia.inverse();
+  // With the inertia I = C C^T its inverse is C^-T C^-1.
+  const Mat3 upper = link.inertia.llt().matrixU();
+  link.root = upper.inverse();
   const JointType type =
       plan.joint < 0 ? JointType::free : model_->joints[std::size_t(plan.joint)].type;
   link.nq = position_count(type);

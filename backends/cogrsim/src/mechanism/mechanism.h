@@ -27,7 +27,7 @@ struct Link {
   Vec3 com = Vec3::Zero();          ///< body frame
   Vec3 weight = Vec3::Zero();       ///< of its share [N]
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
-  Mat3 inverse_inertia = Mat3::Identity();
+  Mat3 root = Mat3::Identity();  ///< of the inverse inertia: root root^T
   int component = -1;  ///< -1: kinematic
 };
 

@@ -46,13 +46,11 @@ class Island::NewtonProblem {
     Vector bias(m);
     for (Eigen::Index i = 0; i < m; ++i) {
       const Row& row = rows_[std::size_t(i)];
-      const double* numbers = row.numbers;
       for (int s = 0; s < 2; ++s) {
         for (int k = 0; k < row.size[s]; ++k) {
-          J(i, row.at[s] + k) = numbers[k];
-          W_(i, row.at[s] + k) = numbers[row.size[s] + k];
+          J(i, row.at[s] + k) = row.j(s)[k];
+          W_(i, row.at[s] + k) = row.w(s)[k];
         }
-        numbers += 2 * row.size[s];
       }
       start_[i] = row.lambda;
       bias[i] = row.bias;

@@ -113,27 +113,17 @@ FreeIslandGroup& FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIsl
   g.count = count;
   const Row& leader = rows[std::size_t(indices[0])];
   g.a = leader.at[0] / 6;
-  g.b = leader.size[1] > 0 ? leader.at[1] / 6 : int(roots_.size() - 1 - groups_.size() % kUnmoved);
-  const Root& ra = roots_[std::size_t(g.a)];
-  const Root& rb = roots_[std::size_t(g.b)];
-  const auto scaled = [](const double* j, const Root& root, double* out) {
-    const double* const L = root.angular;
-    out[0] = L[0] * j[0] + L[1] * j[1] + L[3] * j[2];
-    out[1] = L[2] * j[1] + L[4] * j[2];
-    out[2] = L[5] * j[2];
-    for (int k = 3; k < 6; ++k) out[k] = root.linear * j[k];
-  };
+  g.b = leader.size[1] > 0 ? leader.at[1] / 6 : bodies_ + int(groups_.size() % kUnmoved);
   for (int i = 0; i < 4; ++i) {
     FreeIslandGroup::Row& out = g.rows[i];
     row_of_.push_back(i < count ? indices[i] : -1);
     if (i >= count) continue;
     const Row& row = rows[std::size_t(indices[i])];
-    double j[12] = {};
-    scaled(row.numbers, ra, j);
-    if (row.size[1] > 0) scaled(row.numbers + 12, rb, j + 6);
-    out.a = Four{j[0], j[1], j[2], j[3]};
-    out.last = Four{j[4], j[5], j[10], j[11]};
-    out.b = Four{j[6], j[7], j[8], j[9]};
+    static constexpr double kNone[6] = {};
+    const double *const a = row.j(0), *const b = row.size[1] > 0 ? row.j(1) : kNone;
+    out.a = Four{a[0], a[1], a[2], a[3]};
+    out.last = Four{a[4], a[5], b[4], b[5]};
+    out.b = Four{b[0], b[1], b[2], b[3]};
     g.bias[i] = row.bias;
     g.gamma[i] = row.gamma;
     g.inverse[i] = row.inverse;
@@ -148,20 +138,8 @@ FreeIslandGroup& FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIsl
 }
 
 void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
-                          const std::vector<const Component*>& bodies, double h) {
-  roots_.assign(bodies.size() + kUnmoved, Root());
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Mat3& I = bodies[i]->inverse_inertia;
-    Root& root = roots_[i];
-    double* const L = root.angular;
-    L[0] = std::sqrt(I(0, 0));
-    L[1] = I(1, 0) / L[0];
-    L[2] = std::sqrt(I(1, 1) - L[1] * L[1]);
-    L[3] = I(2, 0) / L[0];
-    L[4] = (I(2, 1) - L[3] * L[1]) / L[2];
-    L[5] = std::sqrt(I(2, 2) - L[3] * L[3] - L[4] * L[4]);
-    root.linear = std::sqrt(bodies[i]->inverse_mass);
-  }
+                          int bodies, double h) {
+  bodies_ = bodies;
   moves_ = std::any_of(rows.begin(), rows.end(),
                        [h](const Row& row) { return std::abs(row.now) > kMoves * h; });
   groups_.clear();
@@ -248,38 +226,27 @@ void FreeBodyIsland::add_tangents(const std::vector<Row>& rows,
   g.friction[0] = g.friction[1] = contact->friction;
 }
 
-void FreeBodyIsland::scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const {
-  out.assign(roots_.size(), FreeIslandBody());
-  for (std::size_t i = 0; i + kUnmoved < roots_.size(); ++i) {
-    const double* const x = &v[6 * i];
-    const double* const L = roots_[i].angular;
-    const double s = 1.0 / roots_[i].linear;
-    const double a = x[0] / L[0], b = (x[1] - L[1] * a) / L[2];
-    const double c = (x[2] - L[3] * a - L[4] * b) / L[5];
-    out[i].first = Four{a, b, c, s * x[3]};
-    out[i].last = Two{s * x[4], s * x[5]};
+void FreeBodyIsland::load(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const {
+  out.assign(std::size_t(bodies_ + kUnmoved), FreeIslandBody());
+  for (int i = 0; i < bodies_; ++i) {
+    const double* const x = &v[std::size_t(6 * i)];
+    out[std::size_t(i)] = {Four{x[0], x[1], x[2], x[3]}, Two{x[4], x[5]}};
   }
 }
 
-void FreeBodyIsland::unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const {
-  v.resize(6 * (roots_.size() - kUnmoved));
-  for (std::size_t i = 0; i + kUnmoved < roots_.size(); ++i) {
-    const Four& x = in[i].first;
-    const double* const L = roots_[i].angular;
-    const double s = roots_[i].linear;
-    double* const out = &v[6 * i];
-    out[0] = L[0] * x[0];
-    out[1] = L[1] * x[0] + L[2] * x[1];
-    out[2] = L[3] * x[0] + L[4] * x[1] + L[5] * x[2];
-    out[3] = s * x[3];
-    out[4] = s * in[i].last[0];
-    out[5] = s * in[i].last[1];
+void FreeBodyIsland::store(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const {
+  v.resize(std::size_t(6 * bodies_));
+  for (int i = 0; i < bodies_; ++i) {
+    const FreeIslandBody& body = in[std::size_t(i)];
+    double* const x = &v[std::size_t(6 * i)];
+    for (int k = 0; k < 4; ++k) x[k] = body.first[k];
+    for (int k = 0; k < 2; ++k) x[4 + k] = body.last[k];
   }
 }
 
 int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                                      std::vector<double>& v) {
-  scale(v, v_);
+  load(v, v_);
   for (std::size_t n = 0; n < groups_.size(); ++n)
     for (int i = 0; i < groups_[n].count; ++i)
       if (impulses_[n].lambda[i] != 0.0) apply(groups_[n], i, impulses_[n].lambda[i], v_);
@@ -304,7 +271,7 @@ int FreeBodyIsland::solve_velocities(const SolverOptions& options, std::vector<R
   }
   for (std::size_t i = 0; i < row_of_.size(); ++i)
     if (row_of_[i] >= 0) rows[std::size_t(row_of_[i])].lambda = impulses_[i / 4].lambda[i % 4];
-  unscale(v_, v);
+  store(v_, v);
   return std::min(count, options.iterations);
 }
 
@@ -379,7 +346,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
   hold_sticking(h);
   const double tolerance = std::max(options.tolerance * h, 1e-12);
   const double idle = (moves_ ? kIdleMoving : kIdle) * tolerance;
-  p_.assign(roots_.size(), FreeIslandBody{});
+  p_.assign(v_.size(), FreeIslandBody{});
   for (std::size_t n = 0; n < groups_.size(); ++n)
     for (int i = 0; i < groups_[n].count; ++i)
       if (gaps_[n].position_impulse[i] != 0.0)
@@ -426,7 +393,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
     row.position_impulse = warm_start_scale * found_[i / 4][i % 4];
     row.gap_change = along(groups_[i / 4], int(i % 4), p_);
   }
-  unscale(p_, p);
+  store(p_, p);
 }
 
 }  // namespace cogrsim::dynamics

@@ -18,7 +18,7 @@ struct SolverOptions;
 using Two = double __attribute__((vector_size(16)));
 using Four = double __attribute__((vector_size(32)));
 
-/// Speeds of one body, scaled by the root of its mass matrix: then J and W = M^-1 J^T are one.
+/// Speeds of one body, scaled as Island::v.
 struct alignas(64) FreeIslandBody {
   Four first;  ///< angular, and the first of the linear ones
   Two last;
@@ -77,20 +77,15 @@ class FreeBodyIsland {
     double gamma = 0.0;  // see NormalBlock
   };
 
-  /// `bodies`: components by their index in `speeds`, six each.
-  void fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
-            const std::vector<const Component*>& bodies, double h);
+  /// `bodies`: how many, of six speeds each.
+  void fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts, int bodies,
+            double h);
   int solve_velocities(const SolverOptions& options, std::vector<Row>& rows,
                        std::vector<double>& v);
   void solve_positions(const SolverOptions& options, double h, std::vector<Row>& rows,
                        std::vector<double>& p);
 
  private:
-  // Of a body: W = root root^T.
-  struct Root {
-    double angular[6];  // lower triangle, by rows
-    double linear;
-  };
   // Contacts of a pair.
   struct Touch {
     std::size_t first = 0;
@@ -108,16 +103,16 @@ class FreeBodyIsland {
   FreeIslandGroup& add_group(const std::vector<Row>& rows, FreeIslandGroup::Kind kind,
                              const int* indices, int count);
   void add_normal_block();  // of the last group
-  void scale(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const;
-  void unscale(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const;
+  void load(const std::vector<double>& v, std::vector<FreeIslandBody>& out) const;
+  void store(const std::vector<FreeIslandBody>& in, std::vector<double>& v) const;
   bool measure_gaps(double h, std::vector<Row>& rows);
   void hold_sticking(double h);
 
-  // What does not move is one of several bodies with a root of zero, or what touches it would wait for one another.
-  static constexpr std::size_t kUnmoved = 4;
+  // What does not move is one of several bodies behind the others, or what touches it would wait for one another.
+  static constexpr int kUnmoved = 4;
 
   bool moves_ = false;
-  std::vector<Root> roots_;  // those of what does not move last
+  int bodies_ = 0;
   std::vector<FreeIslandGroup> groups_;
   std::vector<FreeIslandImpulses> impulses_;  // by group
   // First groups of bundles, of which up to kBundle pairs have no body in common: a processor relaxes some at once.

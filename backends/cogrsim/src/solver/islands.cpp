@@ -46,27 +46,24 @@ using Write6 = Eigen::Map<Vec6>;
 struct AnyRows {
   // J v.
   static double along(const Row& row, const double* v) {
-    const double* const j = row.numbers;
     if (row.free_bodies) {
-      double sum = Read6(j).dot(Read6(v + row.at[0]));
-      if (row.size[1] > 0) sum += Read6(j + 12).dot(Read6(v + row.at[1]));
+      double sum = Read6(row.numbers).dot(Read6(v + row.at[0]));
+      if (row.size[1] > 0) sum += Read6(row.numbers + 6).dot(Read6(v + row.at[1]));
       return sum;
     }
-    double sum = product(j, v + row.at[0], row.size[0]);
-    if (row.size[1] > 0) sum += product(j + 2 * row.size[0], v + row.at[1], row.size[1]);
+    double sum = product(row.j(0), v + row.at[0], row.size[0]);
+    if (row.size[1] > 0) sum += product(row.j(1), v + row.at[1], row.size[1]);
     return sum;
   }
   // v += W impulse.
   static void apply(const Row& row, double impulse, double* v) {
-    const double* const w = row.numbers + row.size[0];
     if (row.free_bodies) {
-      Write6(v + row.at[0]) += impulse * Read6(w);
-      if (row.size[1] > 0) Write6(v + row.at[1]) += impulse * Read6(w + 12);
+      Write6(v + row.at[0]) += impulse * Read6(row.numbers);
+      if (row.size[1] > 0) Write6(v + row.at[1]) += impulse * Read6(row.numbers + 6);
       return;
     }
-    add_scaled(impulse, w, row.size[0], v + row.at[0]);
-    if (row.size[1] == 0) return;
-    add_scaled(impulse, w + row.size[0] + row.size[1], row.size[1], v + row.at[1]);
+    add_scaled(impulse, row.w(0), row.size[0], v + row.at[0]);
+    if (row.size[1] > 0) add_scaled(impulse, row.w(1), row.size[1], v + row.at[1]);
   }
   // v += W1 impulse1 + W2 impulse2, of two rows with the same sides.
   static void apply_both(const Row& one, double impulse1, const Row& two, double impulse2,
@@ -76,37 +73,37 @@ struct AnyRows {
       apply(two, impulse2, v);
       return;
     }
-    const double* const w1 = one.numbers + 6;
-    const double* const w2 = two.numbers + 6;
+    const double* const w1 = one.numbers;
+    const double* const w2 = two.numbers;
     Write6(v + one.at[0]) += impulse1 * Read6(w1) + impulse2 * Read6(w2);
     if (one.size[1] == 0) return;
-    Write6(v + one.at[1]) += impulse1 * Read6(w1 + 12) + impulse2 * Read6(w2 + 12);
+    Write6(v + one.at[1]) += impulse1 * Read6(w1 + 6) + impulse2 * Read6(w2 + 6);
   }
 };
 
 // Rows of an island that is one mechanism of kSize degrees of freedom on the ground, as a robot with
-// some wheels is: lengths known to the compiler, without branches.
-template <int kSize>
+// some wheels is, or one free body: lengths known to the compiler, without branches. W is kW places behind J.
+template <int kSize, int kW = kSize>
 struct RowsOf {
   static double along(const Row& row, const double* v) { return product(row.numbers, v, kSize); }
   static void apply(const Row& row, double impulse, double* v) {
-    add_scaled(impulse, row.numbers + kSize, kSize, v);
+    add_scaled(impulse, row.numbers + kW, kSize, v);
   }
   static void apply_both(const Row& one, double impulse1, const Row& two, double impulse2,
                          double* v) {
-    add_two_scaled(impulse1, one.numbers + kSize, impulse2, two.numbers + kSize, kSize, v);
+    add_two_scaled(impulse1, one.numbers + kW, impulse2, two.numbers + kW, kSize, v);
   }
 };
+
+using OneFreeBody = RowsOf<6, 0>;
 
 double along(const Row& row, const double* v) { return AnyRows::along(row, v); }
 void apply(const Row& row, double impulse, double* v) { AnyRows::apply(row, impulse, v); }
 
 // J of one row times W of another with the same sides.
 double across(const Row& one, const Row& other) {
-  const int first = one.size[0], second = one.size[1];
-  const double sum = product(one.numbers, other.numbers + first, first);
-  if (second == 0) return sum;
-  return sum + product(one.numbers + 2 * first, other.numbers + 2 * first + second, second);
+  const double sum = product(one.j(0), other.w(0), one.size[0]);
+  return one.size[1] == 0 ? sum : sum + product(one.j(1), other.w(1), one.size[1]);
 }
 
 // Towards the row's goal; returns the change of its velocity.
@@ -154,7 +151,7 @@ Eigen::Vector4d load_shares(const Eigen::Vector4d& loads, int count) {
 void Island::clear() {
   RowSet::clear();
   components.clear();
-  speeds.clear();
+  speeds = 0;
   p.clear();
 }
 
@@ -164,8 +161,8 @@ void Island::place_rows(const std::vector<Component>& all, std::vector<int>& sta
       int& at = start[std::size_t(row.component[s])];
       if (at < 0) {
         const Component& c = all[std::size_t(row.component[s])];
-        at = int(speeds.size());
-        for (const int u : c.speeds) speeds.push_back(u);
+        at = speeds;
+        speeds += c.size();
         components.push_back(&c);
       }
       row.at[s] = at;
@@ -173,9 +170,37 @@ void Island::place_rows(const std::vector<Component>& all, std::vector<int>& sta
   }
 }
 
+void Island::scale(const double* all, std::vector<double>& out) const {
+  out.resize(std::size_t(speeds));
+  double* to = out.data();
+  for (const Component* c : components) {
+    const double* const x = all + c->speeds.first;
+    if (c->is_free_body) {
+      Eigen::Map<Vec3>(to).noalias() = c->angular_root.inverse() * Eigen::Map<const Vec3>(x);
+      Eigen::Map<Vec3>(to + 3) = Eigen::Map<const Vec3>(x + 3) / c->linear_root;
+    } else {
+      std::copy(x, x + c->size(), to);
+    }
+    to += c->size();
+  }
+}
+
+void Island::unscale(const std::vector<double>& in, double* all) const {
+  const double* from = in.data();
+  for (const Component* c : components) {
+    double* const x = all + c->speeds.first;
+    if (c->is_free_body) {
+      Eigen::Map<Vec3>(x).noalias() = c->angular_root * Eigen::Map<const Vec3>(from);
+      Eigen::Map<Vec3>(x + 3) = c->linear_root * Eigen::Map<const Vec3>(from + 3);
+    } else {
+      std::copy(from, from + c->size(), x);
+    }
+    from += c->size();
+  }
+}
+
 void Island::measure_gap_changes(const double* displacement) {
-  p.resize(speeds.size());
-  for (std::size_t k = 0; k < p.size(); ++k) p[k] = displacement[std::size_t(speeds[k])];
+  scale(displacement, p);
   for (Row& row : rows)
     if (row.has_gap) row.gap_change = along(row, p.data());
 }
@@ -244,7 +269,7 @@ void Island::apply_normal_block(const NormalBlock& block, const Eigen::Vector4d&
   for (int side = 0; side < 2 && leader.size[side] > 0; ++side) {
     Vec6 sum = Vec6::Zero();
     for (int i = 0; i < block.count; ++i)
-      sum += change[i] * Read6(rows[std::size_t(block.row[i])].numbers + 12 * side + 6);
+      sum += change[i] * Read6(rows[std::size_t(block.row[i])].w(side));
     Write6(v.data() + leader.at[side]) += sum;
   }
 }
@@ -322,7 +347,7 @@ void Island::prepare(double h) {
         return contact.kind == FrictionKind::point && contact.turning_rows() == 0;
       });
   if (is_free_body_island_)
-    free_body_island_.fill(rows, contacts, components, h);
+    free_body_island_.fill(rows, contacts, int(components.size()), h);
   else
     make_normal_blocks();
 }
@@ -495,7 +520,8 @@ int Island::solve_velocities(const SolverOptions& options) {
   });
   switch (alone ? v.size() : 0) {
     case 6:
-      return solve_velocities_of<RowsOf<6>>(options);
+      return components[0]->is_free_body ? solve_velocities_of<OneFreeBody>(options)
+                                         : solve_velocities_of<RowsOf<6>>(options);
     case 7:
       return solve_velocities_of<RowsOf<7>>(options);
     case 8:
@@ -557,7 +583,8 @@ int Island::solve_together(const SolverOptions& options) {
   const std::size_t m = rows.size();
   const bool accelerate = m <= kSmall;
   // More than six speeds on the ground: a mechanism, not a body that lies.
-  constexpr bool kMoving = !std::is_same_v<Rows, AnyRows> && !std::is_same_v<Rows, RowsOf<6>>;
+  constexpr bool kMoving = !std::is_same_v<Rows, AnyRows> && !std::is_same_v<Rows, RowsOf<6>> &&
+                           !std::is_same_v<Rows, OneFreeBody>;
   const double small = kMoving ? kIdleMoving : kIdle;
   const double idle = (accelerate ? small : kIdleLarge) * options.tolerance;
   const double slow = accelerate ? kSlow : kSlowLarge;

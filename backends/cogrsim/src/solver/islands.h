@@ -63,13 +63,17 @@ Eigen::Vector4d load_shares(const Eigen::Vector4d& loads, int count);
 class Island : public RowSet {
  public:
   std::vector<const Component*> components;
-  std::vector<int> speeds;  ///< of each speed, its u index
-  std::vector<double> v;    ///< change of the speeds
-  std::vector<double> p;    ///< displacement; empty: none
+  int speeds = 0;         ///< of the components, one after the other
+  std::vector<double> v;  ///< change of the speeds
+  std::vector<double> p;  ///< displacement; empty: none
 
   void clear();
   /// After all rows are added, gives them places among the speeds; `start`: of each of `all`, -1 before it has one.
   void place_rows(const std::vector<Component>& all, std::vector<int>& start);
+  /// Speeds by u index, as those of the island: `v` or `p`. Those of a free body are root^-1 of the others, with
+  /// M^-1 = root root', so that W = J.
+  void scale(const double* all, std::vector<double>& out) const;
+  void unscale(const std::vector<double>& in, double* all) const;
   /// Velocity stage, from the impulses in the rows, which are not in `v` yet, impact after impact.
   void solve_velocities(const SolverOptions& options, double h);
   /// Position stage, after the other: fills `p`, and the gaps in the rows. `h` [s]: the step.

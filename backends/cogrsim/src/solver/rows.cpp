@@ -5,6 +5,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "mechanism/loops.h"
+#include "solver/products.h"
 
 namespace cogrsim::dynamics {
 namespace {
@@ -130,9 +131,20 @@ int RowBuilder::local_of(int component, int speed) const {
 double RowBuilder::along(const Row& row, const double* v) const {
   double sum = 0.0;
   for (int s = 0; s < 2 && row.size[s] > 0; ++s) {
-    const double* const j = row.j(s);
-    const double* const x = v + mechanism_.components()[std::size_t(row.component[s])].speeds.first;
-    for (int k = 0; k < row.size[s]; ++k) sum += j[k] * x[k];
+    const Component& c = mechanism_.components()[std::size_t(row.component[s])];
+    if (!c.is_free_body) sum += product(row.j(s), v + c.speeds.first, row.size[s]);
+  }
+  return sum;
+}
+
+double RowBuilder::along(const Pair& pair, const Row& row, const Vec3& point, const Vec3& axis,
+                         const double* v) const {
+  double sum = row.free_bodies ? 0.0 : along(row, v);
+  for (const Pair::Side& side : pair.side) {
+    if (!side.component || !side.component->is_free_body) continue;
+    const double* const x = v + side.component->speeds.first;
+    const Eigen::Map<const Vec3> angular(x), linear(x + 3);
+    sum += side.sign * axis.dot(linear + angular.cross(point - side.component->origin));
   }
   return sum;
 }
@@ -171,8 +183,9 @@ RowBuilder::Pair RowBuilder::pair_of(const Manifold& manifold) {
     pair.row.component[s] = manifold.component[i];
     pair.row.size[s] = c.size();
     pair.row.free_bodies = pair.row.free_bodies && c.is_free_body;
-    pair.numbers += 2 * c.size();
+    pair.numbers += c.size();
   }
+  if (!pair.row.free_bodies) pair.numbers *= 2;
   return pair;
 }
 
@@ -185,16 +198,15 @@ Vec3 RowBuilder::Pair::velocity_at(const Vec3& point) const {
 
 namespace {
 
-// J and W of a free body in closed form; returns J W'.
+// J root of a free body; returns its square, J M^-1 J'.
 double fill_free_side(const Component& c, double sign, const Spatial& wrench, double* j) {
-  const Vec3 spin = c.inverse_inertia * wrench.angular;
+  const Vec3 angular = sign * (c.angular_root.transpose() * wrench.angular);
+  const Vec3 linear = sign * c.linear_root * wrench.linear;
   for (int k = 0; k < 3; ++k) {
-    j[k] = sign * wrench.angular[k];
-    j[3 + k] = sign * wrench.linear[k];
-    j[6 + k] = sign * spin[k];
-    j[9 + k] = sign * c.inverse_mass * wrench.linear[k];
+    j[k] = angular[k];
+    j[3 + k] = linear[k];
   }
-  return wrench.angular.dot(spin) + c.inverse_mass * wrench.linear.squaredNorm();
+  return angular.squaredNorm() + linear.squaredNorm();
 }
 
 }  // namespace
@@ -213,10 +225,12 @@ Row& RowBuilder::add_pair_row(const Pair& pair, const Vec3& axis, const Vec3* po
                                  : Spatial{axis, Vec3::Zero()};
     double* const j = row.j(second && row.size[1] > 0 ? 1 : 0);
     second = true;
-    if (c.is_free_body)
+    if (c.is_free_body) {
       row.diagonal += fill_free_side(c, side.sign, wrench, j);
-    else
+      if (!row.free_bodies) std::copy(j, j + 6, j + 6);
+    } else {
       fill_row(c, side.position, wrench, side.sign, j);
+    }
   }
   if (!row.free_bodies) finish_row(row);
   return row;
@@ -467,9 +481,9 @@ bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifol
   row.deep = point.gap < -kTouching && !row.free_bodies;
   approach.restitution = surface.restitution;
   approach.turning = turning.dot(n);
-  approach.speed = row.now - 0.5 * h * (along(row, context.start_udot) + approach.turning);
+  approach.speed = row.now - 0.5 * h * (along(pair, row, point.point, n, context.start_udot) + approach.turning);
   approach.gap = point.gap - 0.5 * h * (approach.speed + 0.25 * h * approach.turning);
-  approach.acceleration = along(row, context.udot) + approach.turning;
+  approach.acceleration = along(pair, row, point.point, n, context.udot) + approach.turning;
   aim_unilateral(context, approach, row);
   if (surface.stiffness) make_soft(context, approach, *surface.stiffness, row);
   row.inverse = 1.0 / (row.diagonal + row.gamma);

@@ -35,7 +35,8 @@ class NumberPool {
 /// J v + gamma lambda = target, with low <= lambda <= high; v is the velocity at the end of the
 /// step. It concerns one component or two, its sides.
 struct Row {
-  double* numbers = nullptr;      ///< J and W = M^-1 J^T of the first side, then those of the second
+  /// J and W = M^-1 J^T of the first side, then those of the second. Of free bodies, scaled, W is J, which is there once.
+  double* numbers = nullptr;
   int component[2] = {-1, -1};    ///< of each side
   int size[2] = {0, 0};           ///< its speeds; 0: no such side
   int at[2] = {0, 0};             ///< the first of them among the speeds of the island
@@ -75,8 +76,8 @@ struct Row {
   int slot = -1;  ///< of the warm-start memory
   double effort_sign = 1.0;
 
-  double* j(int side) const { return numbers + 2 * side * size[0]; }
-  double* w(int side) const { return j(side) + size[side]; }
+  double* j(int side) const { return numbers + (free_bodies ? 1 : 2) * side * size[0]; }
+  double* w(int side) const { return free_bodies ? j(side) : j(side) + size[side]; }
 };
 
 /// How the friction of a contact point is made up.
@@ -214,7 +215,7 @@ class RowBuilder {
 
  private:
   Row& next_row() { return set_.rows.emplace_back(); }
-  double along(const Row& row, const double* v) const;
+  double along(const Row& row, const double* v) const;  // what free bodies add is left out
   Row& add_axis_row(const StepContext& context, int component, int local, double sign);
   // Two links that touch.
   struct Pair {
@@ -231,6 +232,9 @@ class RowBuilder {
     Vec3 velocity_at(const Vec3& point) const;  // of b against a
   };
   Pair pair_of(const Manifold& manifold);
+  // Of the row along `axis` at the point.
+  double along(const Pair& pair, const Row& row, const Vec3& point, const Vec3& axis,
+               const double* v) const;
   bool add_contact(const StepContext& context, const Manifold& manifold, const Pair& pair,
                    const ContactPoint& point, const ContactMotion* motions);
   // Of a point's velocity along the axis; without a point of the spin about it.
