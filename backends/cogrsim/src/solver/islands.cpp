@@ -26,7 +26,7 @@ constexpr int kPatience = 4;
 constexpr double kIdle = 10.0, kSlow = 0.3;
 // A resting island that was solved well needs no sweeps in the next step, and trembles on what was left
 // unsolved otherwise. A mechanism that drives needs sweeps in every step.
-constexpr double kIdleMoving = 30.0;
+constexpr double kIdleMoving = 300.0;
 constexpr double kIdleLarge = 300.0, kSlowLarge = 0.7;
 // Islands of up to so many rows that the sweeps did not solve are solved by Newton's method.
 constexpr std::size_t kDirect = 36;
