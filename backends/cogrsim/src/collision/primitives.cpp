@@ -169,16 +169,19 @@ void plane_contacts(const Collider& plane, const Collider& c, double margin,
 
 void convex_contacts(const Collider& a, const Collider& b, double margin, Apart& apart,
                      std::vector<ContactPoint>& out) {
-  Separation s;
   if (a.type == ShapeType::sphere && b.type == ShapeType::sphere) {
     const Vec3 d = b.X_WS.p - a.X_WS.p;
     const double distance = d.norm();
-    s.gap = distance - a.core.margin - b.core.margin;
-    s.found = s.has_points = s.gap <= margin;
-    s.normal = distance > 1e-12 ? Vec3(d / distance) : Vec3::UnitZ();
-    s.on_a = a.X_WS.p + a.core.margin * s.normal;
-    s.on_b = b.X_WS.p - b.core.margin * s.normal;
-  } else if (a.type == ShapeType::box && b.type == ShapeType::box) {
+    ContactPoint c;
+    c.gap = distance - a.core.margin - b.core.margin;
+    if (c.gap > margin) return;
+    c.normal = distance > 1e-12 ? Vec3(d / distance) : Vec3::UnitZ();
+    c.point = a.X_WS.p + (a.core.margin + 0.5 * c.gap) * c.normal;
+    out.push_back(c);
+    return;
+  }
+  Separation s;
+  if (a.type == ShapeType::box && b.type == ShapeType::box) {
     s = geometry::separate_boxes({a.core.half, a.X_WS}, {b.core.half, b.X_WS}, margin);
   } else {
     if (are_apart(a, b, margin, apart)) return;
