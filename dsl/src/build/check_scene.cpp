@@ -3,7 +3,10 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <set>
+
+#include <fmt/format.h>
 
 #include "build/build_scene.h"
 #include "build/check_overlap.h"
@@ -176,6 +179,11 @@ void Builder::check_loads() {
   for (Body& body : lowered.bodies) {
     if (is_heavy(body)) body.X_WB.p += kLower * down;
   }
+  struct Bearer {
+    std::size_t lightest;
+    int others;  // that are too light, too
+  };
+  std::map<std::size_t, Bearer> bearers;  // by what stands on them
   for (const geometry::Overlap& overlap : geometry::find_overlaps(lowered).pairs) {
     auto heavy = static_cast<std::size_t>(overlap.body_a);
     auto light = static_cast<std::size_t>(overlap.body_b);
@@ -187,11 +195,20 @@ void Builder::check_loads() {
     const Body &load = model_.bodies[heavy], &bearer = model_.bodies[light];
     if (!movable(load) || !movable(bearer) || load.mass <= most * bearer.mass || below < 0.5)
       continue;
+    const auto [found, is_new] = bearers.try_emplace(heavy, Bearer{light, 0});
+    if (is_new) continue;
+    ++found->second.others;
+    if (bearer.mass < model_.bodies[found->second.lightest].mass) found->second.lightest = light;
+  }
+  for (const auto& [heavy, under] : bearers) {
+    const Body &load = model_.bodies[heavy], &bearer = model_.bodies[under.lightest];
+    const std::string others =
+        under.others == 0 ? "" : fmt::format(", among {} such bodies,", under.others + 1);
     fault("CG2002", *body_elements_[heavy],
           "'" + load.name + "' (" + rounded(load.mass, "kg") + ") stands on '" + bearer.name +
-              "' (" + rounded(bearer.mass, "kg") + ") and has " +
+              "' (" + rounded(bearer.mass, "kg") + ")" + others + " and has " +
               number_text(std::round(load.mass / bearer.mass)) + " times its mass")
-        .note("'" + bearer.name + "'", body_elements_[light]->span())
+        .note("'" + bearer.name + "'", body_elements_[under.lightest]->span())
         .help("iterative solvers press the lighter body in; steps below " +
               rounded(1e3 * std::sqrt(kMostPressed * bearer.mass / (load.mass * g)), "ms") +
               " help, and engines that solve exactly");
