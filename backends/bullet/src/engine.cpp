@@ -11,8 +11,6 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/warnings.h"
 #include "convert.h"
 
@@ -116,12 +114,44 @@ Pose principal_frame(const Body& body, btVector3& moments) {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
-                                               const WorldState& state) {
-  auto options = physics_options(*model, "bullet", world_option_table());
-  if (!options) return tl::unexpected<Error>(options.error());
-  auto out = std::unique_ptr<Engine>(new Engine(model, std::move(*options)));
-  if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
+const ParameterTable& Engine::options() {
+  static const ParameterTable table = {
+      parameter(
+          "solver", "sequential-impulse",
+          "btSequentialImpulseConstraintSolver, btNNCGConstraintSolver (diverges with bounded "
+          "motors), or btMLCPSolver with btDantzigSolver, btLemkeSolver (none for friction) or "
+          "btSolveProjectedGaussSeidel")
+          .one_of({"sequential-impulse", "nncg", "dantzig", "lemke", "projected-gauss-seidel"}),
+      parameter("iterations", 10, "sweeps of the solver (m_numIterations)").range(1, 10000),
+      parameter("erp", 0.2, "part of a joint's error that a step takes back (m_erp)").range(0, 1),
+      parameter("erp2", 0.2, "part of an overlap that a step takes back (m_erp2)").range(0, 1),
+      parameter("cfm", 0.0, "softness of contacts and joints (m_globalCfm)").range(0, 1e3),
+      parameter("split-impulse", true,
+                "overlap beyond the threshold is taken back without momentum (m_splitImpulse)"),
+      parameter("split-impulse-penetration-threshold", -0.04, "m",
+                "contact distance below which impulses are split")
+          .range(-1e3, 1e3),
+      parameter("warm-starting", true, "begin with the impulses of the step before"),
+      parameter("warm-starting-factor", 0.85, "part of them (m_warmstartingFactor)").range(0, 1),
+      parameter("friction-directions", 1,
+                "1: along the slip, 2: also across it (SOLVER_USE_2_FRICTION_DIRECTIONS)")
+          .range(1, 2),
+      parameter("margin", 0.0, "m",
+                "collision margin of boxes, cylinders and hulls; 0: a tenth of the smallest half "
+                "extent, 4 cm at most (setSafeMargin)")
+          .range(0, 10),
+      parameter("plane-convex-multipoint-iterations", 4,
+                "contact points between a plane and another shape that are looked for at once "
+                "(setPlaneConvexMultipointIterations)")
+          .range(0, 16),
+  };
+  return table;
+}
+
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Parameters& options,
+                                             const WorldState& begin, const Engine*) {
+  std::unique_ptr<Engine> out(new Engine(model, options));
+  if (auto done = out->build(begin); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
 
@@ -275,20 +305,21 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
   return to_bt(parts_[body].X_BG.inverse() * X_BF);
 }
 
-int Engine::step(double dt, const StepInput& input) {
-  double spin = 0.0;
+void Engine::step(const StepInput& input) {
+  dt_ = input.dt;
+  driven_spin_ = 0.0;
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
     Part& part = parts_[b];
-    part.pose = moved(part.pose, input.twists[b], dt);
-    spin = std::max(spin, input.twists[b].angular.norm());
+    part.pose = moved(part.pose, input.twists[b], dt_);
+    driven_spin_ = std::max(driven_spin_, input.twists[b].angular.norm());
     before_[b].X = to_bt(part.pose * part.X_BG);
     part.rigid->setWorldTransform(before_[b].X);
   }
   for (const auto& joint : joints_) {
     const bool pushed = !input.efforts.empty();
     if (!joint->has_laws() && !pushed) continue;
-    joint->apply(dt, input.drives,
+    joint->apply(dt_, input.drives,
                  pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
                  [&] { return input.coordinates(joint->joint()); });
   }
@@ -298,29 +329,33 @@ int Engine::step(double dt, const StepInput& input) {
     parts_[b].rigid->applyCentralForce(to_bt(input.external[b].force));
     parts_[b].rigid->applyTorque(to_bt(input.external[b].torque));
   }
-  dt_ = dt;
   rows_.resizeNoInitialize(0);
   sound_ = false;
-  world_->stepSimulation(dt, 0);
+  world_->stepSimulation(dt_, 0);
   sound_ = true;
+}
 
-  int diverged = -1;
-  double most = spin * spin;
+int Engine::find_lost() const {
   for (const int b : movers_) {
     const btRigidBody& body = *parts_[b].rigid;
-    const double turning = body.getAngularVelocity().length2();
-    most = std::max(most, turning);
-    const bool fine = StateBounds().hold(body.getCenterOfMassPosition().length2(),
-                                         body.getLinearVelocity().length2(), turning);
-    if (!fine && diverged < 0) diverged = b;
+    if (!kBounds.hold(body.getCenterOfMassPosition().length2(), body.getLinearVelocity().length2(),
+                      body.getAngularVelocity().length2()))
+      return b;
   }
-  if (diverged >= 0) {
-    for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
-    forget_contacts();
-    return diverged;
-  }
-  fastest_spin_ = std::sqrt(most);
   return -1;
+}
+
+bool Engine::undo() {
+  for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
+  forget_contacts();
+  return true;
+}
+
+double Engine::fastest_spin() const {
+  double most = driven_spin_ * driven_spin_;
+  for (const int b : movers_)
+    most = std::max(most, parts_[b].rigid->getAngularVelocity().length2());
+  return std::sqrt(most);
 }
 
 std::vector<Diagnostic> Engine::warnings() const {
@@ -348,7 +383,7 @@ Twist Engine::twist(int body) const {
   return out;
 }
 
-void Engine::set_state(const WorldState& state) {
+void Engine::write(const WorldState& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     Part& part = parts_[b];
     const Body& body = model_->bodies[b];
@@ -376,7 +411,7 @@ void Engine::sum_rows() const {
   rows_.resizeNoInitialize(0);
 }
 
-void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+void Engine::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   sum_rows();
   for (const auto& constraint : joints_) {
     const Joint& joint = model_->joints[constraint->joint()];
@@ -385,7 +420,7 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
   }
 }
 
-void Engine::get_reactions(std::vector<Wrench>& out) const {
+void Engine::read_reactions(std::vector<Wrench>& out) const {
   sum_rows();
   for (const auto& joint : joints_) {
     const std::size_t j = at(joint->joint());
@@ -394,7 +429,7 @@ void Engine::get_reactions(std::vector<Wrench>& out) const {
   }
 }
 
-void Engine::get_contacts(std::vector<Contact>& out) const {
+void Engine::read_contacts(std::vector<Contact>& out) const {
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
@@ -403,15 +438,11 @@ void Engine::get_contacts(std::vector<Contact>& out) const {
       const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
                                 point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                                 point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-      Contact& contact = out.emplace_back();
-      contact.body_a = manifold.getBody1()->getUserIndex();
-      contact.body_b = manifold.getBody0()->getUserIndex();
-      contact.shape_a = point.m_partId1;
-      contact.shape_b = point.m_partId0;
-      contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
-      contact.normal = from_bt(point.m_normalWorldOnB);
-      contact.depth = -point.getDistance();
-      contact.force = from_bt(impulse * (1.0 / dt_));
+      out.push_back({manifold.getBody1()->getUserIndex(), manifold.getBody0()->getUserIndex(),
+                     point.m_partId1, point.m_partId0,
+                     from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2),
+                     from_bt(point.m_normalWorldOnB), -point.getDistance(),
+                     from_bt(impulse * (1.0 / dt_))});
     }
   }
 }

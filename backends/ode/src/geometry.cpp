@@ -5,7 +5,7 @@
 
 #include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/geometry/triangles.h"
-#include "convert.h"
+#include "library.h"
 
 namespace cogrsim::ode {
 
