@@ -2,14 +2,12 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
 
-#include "cogrsim/model/scene_model.h"
-#include "cogrsim/physics/drive.h"
+#include "cogrsim/physics/engine_world.h"
 
 class btDiscreteDynamicsWorld;
 
@@ -49,12 +47,8 @@ class ConstraintJoint {
   /// `sweeps` over its rows, if more than those over all.
   void add_to(btDiscreteDynamicsWorld& world, int sweeps);
 
-  /// Whether something acts along an axis, so that apply() must be called.
-  bool has_laws() const { return has_laws_; }
-  /// Before a step; `position` gives the joint's coordinates, and is asked where a law needs them.
-  /// `efforts` along the joint's speeds are added to the laws, if not null.
-  void apply(double dt, const std::vector<Drive>& drives, const double* efforts,
-             const std::function<const double*()>& position);
+  /// Before a step. Coordinates are asked for where a law needs them.
+  void apply(const StepInput& input);
   /// Of the axis: its rotor's inertia over that of the two bodies alone; 0 without a rotor.
   double rotor_ratio(std::size_t axis) const;
 
@@ -111,7 +105,7 @@ class ConstraintJoint {
   double speed(const Axis& axis, const btVector3& along) const;
   double inverse_mass(const Axis& axis, const btVector3& along) const;
 
-  int joint_;
+  int joint_, first_speed_;
   JointType type_;
   btRigidBody &a_, &b_;
   btTransform frame_a_, frame_b_;

@@ -164,8 +164,10 @@ Engine::~Engine() {
 void Engine::make_world() {
   btDefaultCollisionConstructionInfo info;
   configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
-  const int points =
-      static_cast<int>(value_of<std::int64_t>(options_, "plane-convex-multipoint-iterations"));
+  const auto count = [&](const char* name) {
+    return static_cast<int>(value_of<std::int64_t>(options_, name));
+  };
+  const int points = count("plane-convex-multipoint-iterations");
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
@@ -174,20 +176,19 @@ void Engine::make_world() {
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
+  const auto number = [&](const char* name) { return value_of<double>(options_, name); };
   btContactSolverInfo& solver = world_->getSolverInfo();
-  solver.m_numIterations = static_cast<int>(value_of<std::int64_t>(options_, "iterations"));
-  solver.m_erp = value_of<double>(options_, "erp");
-  solver.m_erp2 = value_of<double>(options_, "erp2");
-  solver.m_globalCfm = value_of<double>(options_, "cfm");
+  solver.m_numIterations = count("iterations");
+  solver.m_erp = number("erp");
+  solver.m_erp2 = number("erp2");
+  solver.m_globalCfm = number("cfm");
   solver.m_splitImpulse = value_of<bool>(options_, "split-impulse");
-  solver.m_splitImpulsePenetrationThreshold =
-      value_of<double>(options_, "split-impulse-penetration-threshold");
+  solver.m_splitImpulsePenetrationThreshold = number("split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
-  solver.m_warmstartingFactor = value_of<double>(options_, "warm-starting-factor");
-  if (!value_of<bool>(options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
-  if (static_cast<int>(value_of<std::int64_t>(options_, "friction-directions")) == 2)
-    solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  if (surfaces_->any_moves()) {
+  solver.m_warmstartingFactor =
+      value_of<bool>(options_, "warm-starting") ? number("warm-starting-factor") : 0.0;
+  if (count("friction-directions") == 2) solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  if (!surfaces_->velocities.empty()) {
     solver.m_solverMode |=
         SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
   }
@@ -316,13 +317,7 @@ void Engine::step(const StepInput& input) {
     before_[b].X = to_bt(part.pose * part.X_BG);
     part.rigid->setWorldTransform(before_[b].X);
   }
-  for (const auto& joint : joints_) {
-    const bool pushed = !input.efforts.empty();
-    if (!joint->has_laws() && !pushed) continue;
-    joint->apply(dt_, input.drives,
-                 pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
-                 [&] { return input.coordinates(joint->joint()); });
-  }
+  for (const auto& joint : joints_) joint->apply(input);
   for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
   for (std::size_t b = 0; b < input.external.size(); ++b) {  // Bullet clears them after the step
     if (!parts_[b].rigid) continue;

@@ -7,7 +7,7 @@
 #include <dart/constraint/PgsBoxedLcpSolver.hpp>
 #include <limits>
 
-#include "cogrsim/core/constants.h"
+#include "cogrsim/physics/axis_laws.h"
 
 namespace cogrsim::dart_engine {
 
@@ -157,13 +157,10 @@ void Engine::add_motors() {
     law.joint = trees_.links()[index].joints[motor.axis];
     law.row = add_row({{law.joint, 1.0}});
     // DART's own servo, where its impulse can be told from others of its joint.
-    const auto on_axis = [&](const Motor& other) {
-      return !other.removed && other.joint == motor.joint && other.axis == motor.axis;
-    };
     const JointAxis& axis = model_->joints[motor.joint].axes[motor.axis];
     law.servo = motor.mode == MotorMode::velocity && !axis.has_limit() && axis.friction == 0.0 &&
                 axis.rotor_inertia == 0.0 && !is_coupled(motor.joint) &&
-                std::count_if(model_->motors.begin(), model_->motors.end(), on_axis) == 1;
+                motors_of(*model_, motor.joint, motor.axis).size() == 1;
   }
 }
 
@@ -224,15 +221,11 @@ void Engine::set_motor(MotorLaw& law, const Drive& drive, double h) {
                           std::max(0.0, (law.joint->getPositionUpperLimit(0) - q) / h));
     return law.row->set(target, 0.0, drive.max_effort * h);
   }
-  // effort = bias + kp (position - q1) + kd (velocity - u1) with q1 = q + h u1, solved for u1.
-  const double stiff = drive.kd + h * drive.kp;
-  if (stiff <= 0.0) {
-    law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
-    law.joint->setCommand(0, law.joint->getCommand(0) + law.applied);
-    return;
-  }
-  law.row->set((drive.bias + drive.kp * (drive.position - q) + drive.kd * drive.velocity) / stiff,
-               1.0 / (h * stiff), drive.max_effort * h);
+  const SoftSource soft = at_end_of_step(drive, h, q);
+  if (soft.gain > 0.0)
+    return law.row->set(soft.speed(), 1.0 / (h * soft.gain), drive.max_effort * h);
+  law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
+  law.joint->setCommand(0, law.joint->getCommand(0) + law.applied);
 }
 
 void Engine::set_coupling(std::size_t index, double h) {

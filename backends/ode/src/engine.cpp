@@ -42,7 +42,8 @@ Engine::Engine(const SceneModelPtr& model, const Parameters& options, const Engi
     : model_(model),
       options_(options),
       shapes_(old ? old->shapes_ : std::make_shared<ShapeData>()),
-      filter_(*model) {
+      filter_(*model),
+      surfaces_(model) {
   const auto number = [&](const char* name) { return value_of<double>(options_, name); };
   prepare_thread();
   world_ = dWorldCreate();
@@ -70,7 +71,7 @@ Engine::Engine(const SceneModelPtr& model, const Parameters& options, const Engi
   const std::string& solver = value_of<std::string>(options_, "solver");
   quick_ = solver == "quick" || (solver == "auto" && !jointed);
   bodies_.resize(model->bodies.size());
-  add_surfaces();
+  pyramid_ = value_of<std::string>(options_, "friction") == "pyramid";
 }
 
 Engine::~Engine() {
@@ -162,51 +163,37 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose) {
   return {};
 }
 
-void Engine::add_surfaces() {
-  const bool pyramid = value_of<std::string>(options_, "friction") == "pyramid";
-  const std::size_t n = model_->materials.size();
-  surfaces_.resize(n * n);
-  stiffness_.resize(n * n);
-  damping_.resize(n * n);
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = 0; b < n; ++b) {
-      const SurfacePair pair = surface_pair(*model_, static_cast<int>(a), static_cast<int>(b));
-      dSurfaceParameters& surface = surfaces_[a * n + b];
-      surface = {};
-      surface.mode = pyramid ? dContactApprox1 : dContactApprox0;
-      surface.mu = pair.friction;
-      if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
-        surface.mode |= dContactRolling | dContactAxisDep;
-        surface.mu2 = pair.friction;
-        surface.rho = surface.rho2 = pair.rolling_friction;
-        surface.rhoN = pair.spinning_friction;
-      }
-      const double e = pair.restitution;
-      if (pair.stiffness) {
-        surface.mode |= dContactSoftERP | dContactSoftCFM;
-        stiffness_[a * n + b] = *pair.stiffness;
-        damping_[a * n + b] = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
-      } else if (e > 0.0) {
-        surface.mode |= dContactBounce;
-        surface.bounce = e;
-        surface.bounce_vel = model_->physics.bounce_threshold;
-      }
+dSurfaceParameters Engine::surface(const Geom& a, const Geom& b) const {
+  const SurfacePair pair = surfaces_(a.material, b.material);
+  const double e = pair.restitution;
+  dSurfaceParameters out{};
+  out.mode = pyramid_ ? dContactApprox1 : dContactApprox0;
+  out.mu = pair.friction;
+  if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
+    out.mode |= dContactRolling | dContactAxisDep;
+    out.mu2 = pair.friction;
+    out.rho = out.rho2 = pair.rolling_friction;
+    out.rhoN = pair.spinning_friction;
+  }
+  if (pair.stiffness) {
+    // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
+    const double ratio = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
+    double mobility = 0.0;  // [1/kg]
+    for (const dBodyID body : {a.holder, b.holder}) {
+      dMass mass{};
+      if (body) dBodyGetMass(body, &mass);
+      if (body && !dBodyIsKinematic(body)) mobility += 1.0 / mass.mass;
     }
+    const double k = *pair.stiffness, d = 2.0 * ratio * std::sqrt(k / mobility);
+    out.mode |= dContactSoftERP | dContactSoftCFM;
+    out.soft_erp = h_ * k / (h_ * k + d);
+    out.soft_cfm = 1.0 / (h_ * k + d);
+  } else if (e > 0.0) {
+    out.mode |= dContactBounce;
+    out.bounce = e;
+    out.bounce_vel = model_->physics.bounce_threshold;
   }
-}
-
-void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a,
-                    const Geom& b) const {
-  // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
-  double mobility = 0.0;  // [1/kg]
-  for (const dBodyID body : {a.holder, b.holder}) {
-    dMass mass{};
-    if (body) dBodyGetMass(body, &mass);
-    if (body && !dBodyIsKinematic(body)) mobility += 1.0 / mass.mass;
-  }
-  const double k = stiffness_[pair], d = 2.0 * damping_[pair] * std::sqrt(k / mobility);
-  surface.soft_erp = h_ * k / (h_ * k + d);
-  surface.soft_cfm = 1.0 / (h_ * k + d);
+  return out;
 }
 
 // Directions of friction along and across what the surfaces move; ODE aims at a velocity of the body
@@ -214,9 +201,7 @@ void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a
 void Engine::set_motion(dContact& contact, const Geom& a, const Geom& b) {
   const auto world = [](const Geom& geom) -> Vec3 {
     if (!geom.holder || geom.surface_velocity.isZero(0.0)) return geom.surface_velocity;
-    const double* const R = dBodyGetRotation(geom.holder);  // rows of four
-    return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(R).leftCols<3>() *
-           geom.surface_velocity;
+    return to_mat(dBodyGetRotation(geom.holder)) * geom.surface_velocity;
   };
   Vec3 along = a.holder ? Vec3(world(b) - world(a)) : Vec3(world(a) - world(b));
   const Vec3 n = to_vec(contact.geom.normal);
@@ -238,15 +223,13 @@ void Engine::near(const Geom& a, const Geom& b) {
   constexpr int kMost = 32;
   dContact found[kMost];
   const int count = dCollide(a.id, b.id, kMost, &found[0].geom, static_cast<int>(sizeof(dContact)));
-  const std::size_t pair = static_cast<std::size_t>(a.material) * model_->materials.size() +
-                           static_cast<std::size_t>(b.material);
+  const dSurfaceParameters of_pair = count > 0 ? surface(a, b) : dSurfaceParameters();
   for (int i = 0; i < count; ++i) {
     dContact& contact = found[i];
     // Without a direction no contact can be made: libccd gives none where two just touch.
     if (contact.geom.normal[0] == 0 && contact.geom.normal[1] == 0 && contact.geom.normal[2] == 0)
       continue;
-    contact.surface = surfaces_[pair];
-    if (stiffness_[pair] > 0.0) soften(contact.surface, pair, a, b);
+    contact.surface = of_pair;
     set_motion(contact, a, b);
     const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
     dJointAttach(joint, a.holder, b.holder);
@@ -265,9 +248,7 @@ void Engine::step(const StepInput& input) {
   prepare_thread();
   before_ = motions();
   if (find_lost() >= 0) return;
-  for (JointLink& link : joints_)
-    link.drive(input.dt, input.drives, input.efforts,
-               [&] { return input.coordinates(link.index()); });
+  for (JointLink& link : joints_) link.drive(input);
   for (std::size_t b = 0; b < input.external.size(); ++b) bodies_[b].push(input.external[b]);
   h_ = input.dt;
   touched_ = 0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "body.h"
+#include "cogrsim/physics/surface_table.h"
 #include "geometry.h"
 #include "joints.h"
 
@@ -66,11 +67,11 @@ class Engine final : public SceneEngine {
   Result<> add_geoms(std::size_t b, const Pose& pose);
   std::vector<Motion> motions() const;
   void set_motions(const std::vector<Motion>& motions);
-  void add_surfaces();
   static void near(void* self, dGeomID a, dGeomID b);
   void near(const Geom& a, const Geom& b);
   static void set_motion(dContact& contact, const Geom& a, const Geom& b);
-  void soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a, const Geom& b) const;
+  /// Of a contact in a step of h_.
+  dSurfaceParameters surface(const Geom& a, const Geom& b) const;
   Touch& touch(std::size_t i) const { return touches_[i / kBlock][i % kBlock]; }
 
   SceneModelPtr model_;
@@ -90,8 +91,8 @@ class Engine final : public SceneEngine {
   std::deque<Geom> geoms_;
   std::deque<JointLink> joints_;
   CollisionFilter filter_;
-  std::vector<dSurfaceParameters> surfaces_;  ///< of two materials (nmaterial x nmaterial)
-  std::vector<double> stiffness_, damping_;  ///< likewise [N/m]; 0: none; ratio to the critical one
+  SurfaceTable surfaces_;
+  bool pyramid_ = true;
   double h_ = 0.0;                           ///< of the last step, 0: none
   static constexpr std::size_t kBlock = 64;  // in blocks, as ODE keeps pointers to the feedbacks
   std::vector<std::unique_ptr<Touch[]>> touches_;
