@@ -57,25 +57,29 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
       b_(b),
       frame_a_(frame_a),
       frame_b_(frame_b),
-      softness_(softness) {
-  const Joint& made = model.joints[joint];
-  collide_ = made.bodies_collide;
+      softness_(softness),
+      collide_(model.joints[joint].bodies_collide) {}
+
+void ConstraintJoint::make_constraint() {
   switch (type_) {
     case JointType::hinge:
-      main_ = std::make_unique<btHingeConstraint>(a, b, frame_a, frame_b, true);
+      main_ = std::make_unique<btHingeConstraint>(a_, b_, frame_a_, frame_b_, true);
       break;
     case JointType::ball:
-      main_ =
-          std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
+      main_ = std::make_unique<btPoint2PointConstraint>(a_, b_, frame_a_.getOrigin(),
+                                                        frame_b_.getOrigin());
       break;
     case JointType::fixed:
-      main_ = std::make_unique<btFixedConstraint>(a, b, frame_a, frame_b);
+      main_ = std::make_unique<btFixedConstraint>(a_, b_, frame_a_, frame_b_);
       break;
     default:
       main_ = make_six();
   }
+}
+
+void ConstraintJoint::make_laws(const SceneModel& model) {
   main_->setUserConstraintPtr(&load_);
-  make_axes(made);
+  make_axes(model.joints[joint_]);
   make_rows(model);
   if (auto* six = dynamic_cast<btGeneric6DofConstraint*>(main_.get())) {
     for (int dof = 0; dof < 6; ++dof) six->setLimit(dof, 0.0, 0.0);

@@ -215,13 +215,20 @@ Result<> Engine::build(const WorldState& state) {
     part.shape = std::move(*shape);
     surfaces_->set_frame(static_cast<int>(b), part.X_BG);
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
-    add_body(static_cast<int>(b), state);
   }
+  // Bodies side by side in memory, and so constraints.
+  for (std::size_t b = 0; b < count; ++b) make_body(static_cast<int>(b), state);
+  for (std::size_t b = 0; b < count; ++b) add_body(static_cast<int>(b));
   if (!model_->couplings.empty() || has_rotors(*model_)) {
     sweeps_ = kSweeps;
     world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
   }
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) make_joint(static_cast<int>(j));
+  for (const auto& joint : joints_) joint->make_constraint();
+  for (const auto& joint : joints_) {
+    joint->make_laws(*model_);
+    joint->add_to(*world_, sweeps_);
+  }
   // Pairs that the scene excludes from collision. A constraint excludes its own two bodies.
   for (const auto& [first, second] : model_->no_collide) {
     btRigidBody *const a = parts_[first].rigid.get(), *const b = parts_[second].rigid.get();
@@ -239,9 +246,10 @@ Motion Engine::motion_of(const Part& part, const Pose& X, const Twist& V) const 
           to_bt(V.angular)};
 }
 
-void Engine::add_body(int body, const WorldState& state) {
+void Engine::make_body(int body, const WorldState& state) {
   const Body& of = model_->bodies[body];
   Part& part = parts_[body];
+  if (of.removed) return;
   const Motion start = motion_of(part, state.poses[body], state.twists[body]);
   btRigidBody::btRigidBodyConstructionInfo info(of.kind == BodyKind::dynamic ? of.mass : 0.0,
                                                 nullptr, part.shape->shape, part.inertia);
@@ -262,8 +270,15 @@ void Engine::add_body(int body, const WorldState& state) {
     movers_.push_back(body);
   }
   before_[body] = start;
+}
+
+void Engine::add_body(int body) {
+  Part& part = parts_[body];
+  if (!part.rigid) return;
+  btRigidBody& rigid = *part.rigid;
   part.shape->collides ? world_->addRigidBody(&rigid) : world_->addRigidBody(&rigid, 0, 0);
-  rigid.setGravity(of.gravity_scale * world_->getGravity());  // addRigidBody sets the world's
+  rigid.setGravity(model_->bodies[body].gravity_scale *
+                   world_->getGravity());  // addRigidBody sets the world's
 }
 
 void Engine::set_motion(btRigidBody& body, const Motion& motion) {
@@ -273,7 +288,7 @@ void Engine::set_motion(btRigidBody& body, const Motion& motion) {
   body.setInterpolationWorldTransform(motion.X);
 }
 
-void Engine::add_joint(int joint) {
+void Engine::make_joint(int joint) {
   const Joint& made = model_->joints[joint];
   if (made.removed || made.type == JointType::free) return;
   const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[body]); };
@@ -283,11 +298,9 @@ void Engine::add_joint(int joint) {
   const auto rigid = [&](int body) -> btRigidBody& {
     return body == kWorld ? *ground_ : *parts_[body].rigid;
   };
-  auto constraint = std::make_unique<ConstraintJoint>(
+  joints_.push_back(std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
-      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm"));
-  constraint->add_to(*world_, sweeps_);
-  joints_.push_back(std::move(constraint));
+      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm")));
 }
 
 Motion Engine::motion(const btRigidBody& body) {

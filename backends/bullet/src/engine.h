@@ -82,8 +82,9 @@ class Engine final : public SceneEngine {
       : options_(std::move(options)), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
   Result<> build(const WorldState& state);
   void make_world();
-  void add_body(int body, const WorldState& state);
-  void add_joint(int joint);
+  void make_body(int body, const WorldState& state);
+  void add_body(int body);
+  void make_joint(int joint);
   struct Memory;
   void restore_broadphase(const Memory& memory);
   void restore_contacts(const Memory& memory, const std::vector<char>& stays);
