@@ -99,7 +99,7 @@ void ConstraintJoint::make_axes(const Joint& joint) {
     if (universal) axis.dof = i == 0 ? 5 : 3;  // see make_six()
     axis.direction = (axis.on_child ? frame_b_ : frame_a_).getBasis().getColumn(along.maxAxis());
     if (!joint.axes.empty()) axis.law = axis_of_speed(joint, i);
-    const double start = at(i) < joint.position.size() ? joint.position[at(i)] : 0.0;
+    const double start = at(i) < joint.position.size() ? joint.position[i] : 0.0;
     axis.wide = axis.angular && axis.law.has_limit() && is_wide(axis.law, start);
   }
 }

@@ -371,7 +371,7 @@ std::vector<Diagnostic> Engine::warnings() const {
   std::vector<std::vector<double>> ratios(model_->joints.size());
   for (const auto& joint : joints_) {
     for (std::size_t i = 0; i < model_->joints[joint->joint()].axes.size(); ++i)
-      ratios[at(joint->joint())].push_back(joint->rotor_ratio(i));
+      ratios[joint->joint()].push_back(joint->rotor_ratio(i));
   }
   return rotor_warnings(*model_, "bullet", ratios, kMostRotor);
 }
