@@ -16,8 +16,7 @@ constexpr std::size_t kMostCorners = 32;
 std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
   auto out = std::make_shared<Hull>();
   // ODE wants the origin inside.
-  for (const Vec3& v : faces.vertices)
-    out->middle += v / static_cast<double>(faces.vertices.size());
+  out->middle = faces.middle();
   for (const Vec3& v : faces.vertices) {
     const Vec3 p = v - out->middle;
     out->points.insert(out->points.end(), p.data(), p.data() + 3);
