@@ -93,7 +93,7 @@ class Run : public Part {
   /// before they are updated; at once, if there is a run already. nullptr: not any more, when this
   /// returns. From any thread, but not from within `changed`.
   using ProcessListener = std::function<void(const std::vector<ControllerProcess>&)>;
-  virtual void watch_processes(ProcessListener) {}
+  virtual void watch_processes(ProcessListener) {}  // NOLINT: what overrides it keeps the listener
   /// The listener is called once more as soon as the run's thread can. From any thread, and from
   /// within `changed`, too.
   virtual void ask_processes() {}
