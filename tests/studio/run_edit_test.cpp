@@ -115,6 +115,80 @@ TEST_CASE("the backend is switched in place", "[studio][run]") {
   page.hash_after(105);
 }
 
+TEST_CASE("what an engine lacks is left out once that is chosen", "[studio][run]") {
+  // Bullet has no spring on a ball joint.
+  const std::string scene = R"(<scene name="lamp" version="1">
+  <physics backend="cogrsim" step="1 ms"/>
+  <sphere name="lamp" radius="5 cm" xyz="0 0 1" mass="1 kg"/>
+  <ball name="neck" child="lamp" xyz="0 0 1.2" stiffness="3"/>
+</scene>)";
+  const Json all = {{{"feature", "joint.stiffness.ball"}, {"of", "joint"}, {"count", 1}}};
+  Page page;
+  page.join(1);
+  page.show(scene);
+  page.get("step", {{"count", 10}});
+  const std::string before = page.hash_after(10);
+
+  const Json lacking = page.get("lacking", {{"name", "bullet"}});
+  CHECK(lacking.at("name") == "bullet");
+  CHECK(lacking.at("left_out") == all);
+  CHECK(lacking.at("needed").empty());
+  CHECK(page.get("lacking", {{"name", ""}}).at("left_out").empty());
+  CHECK_THAT(page.error("lacking", {{"name", "nosuch"}}), Catch::Contains("nosuch"));
+  CHECK_THAT(page.error("lacking", {{"name", "../evil"}}), Catch::Contains("'name'"));
+
+  // Refused without a choice, with a code that says why, and the run goes on as it was.
+  const Answer refused = page.ask("backend", {{"name", "bullet"}});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == "CG0801");
+  CHECK_THAT(page.error("backend", {{"name", "bullet"}, {"without", {"wings"}}}),
+             Catch::Contains("wings"));
+  CHECK(page.status().at("backend") == "cogrsim");
+  CHECK(page.hash_after(10) == before);
+
+  page.get("backend", {{"name", "bullet"}, {"without", {"lacking"}}});
+  REQUIRE(page.outbox().wait([&] { return page.status().at("backend") == "bullet"; }));
+  CHECK(page.status().at("provenance").at("left_out") == all);
+  CHECK(page.status().at("time").get<double>() == Approx(0.01));
+  page.get("step", {{"count", 5}});
+  page.hash_after(15);
+
+  // The choice holds for every engine, and each leaves out what it lacks and nothing else.
+  page.get("backend", {{"name", "cogrsim"}});
+  REQUIRE(page.outbox().wait([&] { return page.status().at("backend") == "cogrsim"; }));
+  CHECK(page.status().at("provenance").at("left_out").empty());
+  page.get("compare", {{"backend", "bullet"}, {"step", nullptr}});
+  REQUIRE(page.outbox().wait([&] { return !page.status().at("compare").is_null(); }));
+  CHECK(page.status().at("compare").at("left_out") == all);
+  page.get("compare-off");
+
+  // Until everything is asked for again.
+  page.get("backend", {{"name", "cogrsim"}, {"without", Json::array()}});
+  CHECK_FALSE(page.ask("backend", {{"name", "bullet"}}));
+  CHECK_FALSE(page.ask("compare", {{"backend", "bullet"}, {"step", nullptr}}));
+  page.get("compare", {{"backend", "bullet"}, {"step", nullptr}, {"without", {"lacking"}}});
+}
+
+TEST_CASE("a scene that its engine refuses runs once another one takes it", "[studio][run]") {
+  const std::string scene = R"(<scene name="lamp" version="1">
+  <physics backend="bullet" step="1 ms"/>
+  <sphere name="lamp" radius="5 cm" xyz="0 0 1" mass="1 kg"/>
+  <ball name="neck" child="lamp" xyz="0 0 1.2" stiffness="3"/>
+</scene>)";
+  Page page;
+  page.join(1);
+  CHECK_THAT(page.refused(scene), Catch::Contains("joint.stiffness.ball") || Catch::Contains("spring"));
+  CHECK_FALSE(page.ask("play"));
+  CHECK(page.get("lacking", {{"name", ""}}).at("name") == "bullet");
+  SECTION("another engine") { page.get("backend", {{"name", "cogrsim"}}); }
+  SECTION("the same one, without what it lacks") {
+    CHECK_FALSE(page.ask("backend", {{"name", "bullet"}}));
+    page.get("backend", {{"name", "bullet"}, {"without", {"lacking"}}});
+  }
+  page.get("step", {{"count", 3}});
+  page.hash_after(3);
+}
+
 TEST_CASE("two engines run side by side until they diverge", "[studio][run]") {
   Page page;
   page.join(1);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "cogrsim/dsl/loader_catalog.h"
@@ -186,9 +187,14 @@ std::vector<std::string> Page::show(const std::string& xml, std::uint64_t versio
 }
 
 std::string Page::refused(const std::string& xml) {
-  std::promise<tl::expected<std::vector<std::string>, std::vector<Diagnostic>>> promise;
-  auto future = promise.get_future();
-  run_->show(scene_of(xml), [&](auto shown) { promise.set_value(std::move(shown)); });
+  // It is called again when an engine takes the scene after all.
+  using Shown = tl::expected<std::vector<std::string>, std::vector<Diagnostic>>;
+  const auto promise = std::make_shared<std::optional<std::promise<Shown>>>(std::in_place);
+  auto future = (*promise)->get_future();
+  run_->show(scene_of(xml), [promise](auto shown) {
+    if (*promise) (*promise)->set_value(std::move(shown));
+    promise->reset();
+  });
   REQUIRE(future.wait_for(kPatience) == std::future_status::ready);
   const auto shown = future.get();
   REQUIRE(!shown);

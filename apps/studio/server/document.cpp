@@ -280,10 +280,9 @@ void DocumentRequests::show(const dsl::OutlinedScene& from) {
   take(origins.plots, scene.origins.plots);
   take(origins.forces, scene.origins.forces);
   run_.show(std::move(scene), [this, queue = queue_, version = version_](auto shown) {
-    if (shown) return;
     // Only the document's own thread, which lives as long as it takes tasks, uses `this`.
-    queue->put([this, version, faults = std::move(shown.error())] {
-      if (version != version_) return;
+    queue->put([this, version, faults = shown ? std::vector<Diagnostic>() : shown.error()] {
+      if (version != version_ || (faults.empty() && refused_.empty())) return;
       refused_ = faults;
       publish(problems_topic());
     });

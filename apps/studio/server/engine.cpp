@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cogrsim/physics/default_backend.h"
+#include "cogrsim/physics/leave_out.h"
 #include "common/terminal.h"
+#include "run_wire.h"
 
 namespace cogrsim::studio {
 
@@ -377,12 +380,30 @@ Answer Engine::set_step(std::optional<double> dt) {
   return Json::object();
 }
 
-Answer Engine::set_backend(const std::string& name) {
-  if (!scene_) {
+/// What `act` refuses changes nothing.
+Answer Engine::with_options(const Without& without, const std::function<Answer()>& act) {
+  const std::vector<std::string> before = options_.without;
+  if (without) {
+    if (auto good = check_without(*without); !good) return tl::unexpected(good.error());
+    options_.without = *without;
+  }
+  Answer answer = act();
+  if (!answer) options_.without = before;
+  return answer;
+}
+
+Answer Engine::set_backend(const std::string& name, const Without& without) {
+  const bool anyway = without && *without != options_.without;
+  return with_options(without, [&] { return continue_on(name, anyway); });
+}
+
+Answer Engine::continue_on(const std::string& name, bool anyway) {
+  if (!scene_ && !refused_) {
     backend_ = name;
     publish(true);
     return Json{{"notes", Json::array()}};
   }
+  const Scene scene = refused_ ? *refused_ : *scene_;
   settle();
   const bool playing = state_ == State::playing;
   std::vector<std::string> notes;
@@ -391,15 +412,16 @@ Answer Engine::set_backend(const std::string& name) {
     if (simulation_ && simulation_->step_count() > 0) {
       notes.push_back(ghost_ ? "the comparison restarts" : "the run restarts: it had ended");
     }
-    if (auto done = begin_again(*scene_, name, dt_, request); !done) {
+    if (auto done = begin_again(scene, name, dt_, request); !done) {
       return tl::unexpected(to_error(done.error()));
     }
   } else {
-    auto carried = carry_over(*scene_, name);
+    auto carried = carry_over(scene, name, anyway);
     if (!carried) return tl::unexpected(to_error(carried.error()));
     notes = std::move(*carried);
   }
   backend_ = name;
+  refused_.reset();
   if (playing && state_ != State::playing) {
     if (auto going = play(); !going) return going;
   }
@@ -407,14 +429,32 @@ Answer Engine::set_backend(const std::string& name) {
   return Json{{"notes", notes}};
 }
 
-Answer Engine::compare(CompareRequest request) {
+Answer Engine::lacking(const std::string& name) const {
+  if (!scene_ && !refused_) return fail("there is no scene yet that can be run");
+  const SceneModelPtr model = (refused_ ? *refused_ : *scene_).model;
+  std::string chosen = name.empty() ? backend_ : name;
+  if (chosen.empty()) chosen = model->physics.backend;
+  PluginLoader loader(plugin_folders_);
+  const auto backend = loader.backend(chosen.empty() ? kDefaultBackend : chosen);
+  if (!backend) return tl::unexpected(backend.error());
+  const Capabilities& has = (*backend)->capabilities();
+  std::vector<LeftOut> lacks;
+  const SceneModelPtr rest = leave_out(model, has, {"lacking"}, &lacks);
+  Json needed = Json::array();
+  for (const Diagnostic& it : check_capabilities(*rest, (*backend)->name(), has))
+    if (it.severity == Severity::error) needed.push_back(it.message);
+  return Json{{"name", std::string((*backend)->name())}, {"left_out", to_json(lacks)}, {"needed", needed}};
+}
+
+Answer Engine::compare(CompareRequest request, const Without& without) {
   if (!scene_) return fail("there is no scene yet that can be run");
   settle();
   const bool playing = state_ == State::playing;
-  if (auto done = begin_again(*scene_, backend_, dt_, std::move(request)); !done) {
-    return tl::unexpected(to_error(done.error()));
-  }
-  return playing ? play() : Answer(Json::object());
+  return with_options(without, [&]() -> Answer {
+    if (auto done = begin_again(*scene_, backend_, dt_, std::move(request)); !done)
+      return tl::unexpected(to_error(done.error()));
+    return playing ? play() : Answer(Json::object());
+  });
 }
 
 Answer Engine::end_compare() {

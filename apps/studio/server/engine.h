@@ -36,9 +36,9 @@ std::string described(const PluginWatch::Call& call);
 /// A body that a person pulls.
 struct GrabRequest {
   std::string body;
-  Vec3 point = Vec3::Zero();         ///< of the body, in its frame [m]
-  Vec3 target = Vec3::Zero();        ///< where it is pulled to, in the world [m]
-  std::optional<double> stiffness;   ///< [N/m]; empty: by the mass that hangs on it
+  Vec3 point = Vec3::Zero();        ///< of the body, in its frame [m]
+  Vec3 target = Vec3::Zero();       ///< where it is pulled to, in the world [m]
+  std::optional<double> stiffness;  ///< [N/m]; empty: by the mass that hangs on it
 };
 
 class Engine {
@@ -75,7 +75,11 @@ class Engine {
   void step(std::int64_t count, Reply reply);
   Answer set_speed(std::optional<double> factor);
   Answer set_step(std::optional<double> dt);
-  Answer set_backend(const std::string& name);
+  /// `without`: see RunOptions; nullopt: as before.
+  using Without = std::optional<std::vector<std::string>>;
+  Answer set_backend(const std::string& name, const Without& without);
+  /// What a backend lacks of the newest scene.
+  Answer lacking(const std::string& name) const;
   /// The library of a controller, or of all of them, as it is on disk now: while paused.
   Answer reload(const std::optional<std::string>& controller);
   // engine_hands.cpp: what a person does in the run
@@ -88,9 +92,12 @@ class Engine {
   /// From the start, with all that a person did in the present run, or in the one before it.
   Answer repeat();
   Answer record(bool on, const std::optional<std::string>& file);
-  Answer compare(CompareRequest request);
+  Answer compare(CompareRequest request, const Without& without);
   Answer end_compare();
   tl::expected<std::vector<std::string>, Refusal> show(Scene scene);
+  /// Whether the engine lacked something of the last scene that show() was given, and no other one has
+  /// taken it since.
+  bool has_refused() const { return refused_.has_value(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -118,10 +125,13 @@ class Engine {
   tl::expected<void, Refusal> begin_again(const Scene& scene, const std::string& backend,
                                           std::optional<double> dt,
                                           std::optional<CompareRequest> request);
-  /// `new_plugins`: the run continues with them even where nothing else has changed.
+  /// `anyway`: the run continues as another one even where nothing else has changed.
   tl::expected<std::vector<std::string>, Refusal> carry_over(const Scene& scene,
                                                              const std::string& backend,
-                                                             bool new_plugins = false);
+                                                             bool anyway = false);
+  tl::expected<std::vector<std::string>, Refusal> take(const Scene& scene);
+  Answer continue_on(const std::string& name, bool anyway);
+  Answer with_options(const Without& without, const std::function<Answer()>& act);
   void adopt(std::unique_ptr<Simulation> simulation);
   void forget_past();
 
@@ -164,6 +174,7 @@ class Engine {
 
   // What the requests have set.
   std::optional<Scene> scene_;
+  std::optional<Scene> refused_;  ///< see has_refused()
   OriginsPtr origins_;
   std::string backend_;
   std::optional<double> dt_;
@@ -189,8 +200,8 @@ class Engine {
   std::unique_ptr<Recorder> recorder_;
   std::string recording_;
 
-  cli::Inputs inputs_;                ///< of the present run
-  cli::Inputs before_;                ///< of the last run before it that had any
+  cli::Inputs inputs_;                         ///< of the present run
+  cli::Inputs before_;                         ///< of the last run before it that had any
   SceneModelPtr inputs_scene_, before_scene_;  ///< what these runs started with
   cli::InputPlayer repeated_{{}};
   std::optional<Grab> grab_;

@@ -150,7 +150,7 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
 
 tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& scene,
                                                                    const std::string& backend,
-                                                                   bool new_plugins) {
+                                                                   bool anyway) {
   auto snapshot = snapshot_of(*simulation_);
   if (!snapshot) return tl::unexpected(Refusal{to_diagnostic(snapshot.error())});
   const SceneModelPtr model = renamed(scene.model, snapshot->info().scene);
@@ -166,7 +166,7 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
     same_scene =
         as_then && as_then->same_scene && scene.model->physics.step == scene_->model->physics.step;
   }
-  if (same_scene && !new_plugins) {
+  if (same_scene && !anyway) {
     // Comments or source positions: nothing that the run depends on, so it is not restarted.
     origins_ = std::make_shared<const Origins>(scene.origins);
     // Runs of the one are runs of the other.
@@ -204,6 +204,15 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
 }
 
 tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
+  auto shown = take(scene);
+  refused_.reset();
+  const auto lacks = [](const Diagnostic& d) { return d.code == "CG0801"; };
+  if (!shown && std::any_of(shown.error().begin(), shown.error().end(), lacks))
+    refused_ = std::move(scene);
+  return shown;
+}
+
+tl::expected<std::vector<std::string>, Refusal> Engine::take(const Scene& scene) {
   settle();
   const bool new_plugins = !scene.plugin_folders.empty() && scene.plugin_folders != plugin_folders_;
   if (new_plugins) plugin_folders_ = scene.plugin_folders;

@@ -265,7 +265,8 @@ void Engine::publish(bool urgent) {
   if (latest_ && state_ != State::playing) {
     s.state_hash = fmt::format("{:016x}", state_hash(latest_->state));
   }
-  if (ghost_) s.compare = {ghost_->labels, ghost_->first_over};
+  if (ghost_)
+    s.compare = {ghost_->labels, ghost_->first_over, ghost_->simulation->provenance().left_out};
   publisher_.set_situation(std::move(s), urgent);
 }
 

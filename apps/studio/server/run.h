@@ -78,13 +78,12 @@ class Run : public Part {
 
   /// Continues with another scene: from the start at time 0; later with the state carried over by
   /// name, as Simulation's resume() does, where the element did not change its pose. One that a
-  /// newer one follows before its turn comes is left out. From any thread; `done` is called once,
-  /// from the run's: with what could not be carried over, or with why the engine refused the scene
-  /// (the one before then stays).
-  virtual void show(
-      Scene scene,
-      std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
-          done) = 0;
+  /// newer one follows before its turn comes is left out. From any thread; `done` is called from the
+  /// run's: with what could not be carried over, or with why the engine refused the scene (the one
+  /// before then stays), and once more when another engine has taken it.
+  using ShowDone =
+      std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>;
+  virtual void show(Scene scene, ShowDone done) = 0;
 
   /// Ends the simulations. Not empty: a plugin that did not return for 3 s, so that this object cannot
   /// be destroyed.
@@ -94,7 +93,7 @@ class Run : public Part {
   /// before they are updated; at once, if there is a run already. nullptr: not any more, when this
   /// returns. From any thread, but not from within `changed`.
   using ProcessListener = std::function<void(const std::vector<ControllerProcess>&)>;
-  virtual void watch_processes(ProcessListener) {}
+  virtual void watch_processes(ProcessListener) {}  // NOLINT: what overrides it keeps the listener
   /// The listener is called once more as soon as the run's thread can. From any thread, and from
   /// within `changed`, too.
   virtual void ask_processes() {}

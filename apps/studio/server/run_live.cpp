@@ -35,9 +35,7 @@ class LiveRun final : public Run {
     engine_.post([this, client] { static_cast<void>(engine_.release(client)); });
   }
 
-  void show(Scene scene,
-            std::function<void(tl::expected<std::vector<std::string>, std::vector<Diagnostic>>)>
-                done) override {
+  void show(Scene scene, ShowDone done) override {
     engine_.post(
         [this, number = ++shows_, scene = std::move(scene), done = std::move(done)]() mutable {
           if (number != shows_) {  // there is a newer one already
@@ -45,6 +43,7 @@ class LiveRun final : public Run {
             return;
           }
           auto shown = engine_.show(std::move(scene));
+          refused_ = engine_.has_refused() ? done : nullptr;
           if (done) done(std::move(shown));
         });
   }
@@ -89,7 +88,16 @@ class LiveRun final : public Run {
     } else if (what == "backend") {
       const auto name = f.at("name").get<std::string>();
       if (auto good = check_plugin_name(name); !good) return good;
-      answer([name](Engine& e) { return e.set_backend(name); });
+      answer(
+          [this, name, without = fields::maybe<std::vector<std::string>>(f, "without")](Engine& e) {
+            Answer done = e.set_backend(name, without);
+            if (done && !e.has_refused() && refused_) std::exchange(refused_, nullptr)({});
+            return done;
+          });
+    } else if (what == "lacking") {
+      const auto name = f.at("name").get<std::string>();
+      if (auto good = name.empty() ? Result<>() : check_plugin_name(name); !good) return good;
+      answer([name](Engine& e) { return e.lacking(name); });
     } else if (what == "motor") {
       answer([name = f.at("motor").get<std::string>(), target = f.at("target").get<double>()](
                  Engine& e) { return e.set_motor(name, target); });
@@ -118,8 +126,9 @@ class LiveRun final : public Run {
       if (name) {
         if (auto good = check_plugin_name(*name); !good) return good;
       }
-      answer([w = CompareRequest{name, fields::maybe<double>(f, "step")}](Engine& e) {
-        return e.compare(w);
+      answer([w = CompareRequest{name, fields::maybe<double>(f, "step")},
+              without = fields::maybe<std::vector<std::string>>(f, "without")](Engine& e) {
+        return e.compare(w, without);
       });
     } else {
       return fail("the run does not answer '" + what + "'");
@@ -131,6 +140,7 @@ class LiveRun final : public Run {
     return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
   }
   std::atomic<std::uint64_t> shows_{0};  ///< asked for
+  ShowDone refused_;                     ///< of the newest scene, if it was; on the engine's thread
   Scenes scenes_;
   StatusPublisher publisher_;
   History history_;

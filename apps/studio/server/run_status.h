@@ -29,13 +29,14 @@ struct Situation {
   double factor = 0.0;                ///< simulated per wall second, measured
   std::string backend, engine_version;
   std::shared_ptr<const Provenance> provenance;  ///< nullptr: there is no run, or it is not known
-  std::optional<std::string> recording;  ///< file
+  std::optional<std::string> recording;          ///< file
   std::uint32_t scene = 0;
   std::size_t inputs = 0;  ///< of a person, so far
   std::string state_hash;  ///< of the newest state, as the command line has it; empty while playing
   struct Comparison {
     std::array<std::string, 2> labels;
     std::optional<double> first_over;  ///< [s]
+    std::vector<LeftOut> left_out;     ///< of the second run
   };
   std::optional<Comparison> compare;
   std::optional<PluginWatch::Call> waiting;  ///< for a plugin call that has not returned for long

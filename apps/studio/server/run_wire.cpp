@@ -131,6 +131,13 @@ Json to_json(const RunMessage& message) {
 
 Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }
 
+Json to_json(const std::vector<LeftOut>& left_out) {
+  Json out = Json::array();
+  for (const LeftOut& it : left_out)
+    out.push_back({{"feature", it.feature}, {"of", it.of}, {"count", it.count}});
+  return out;
+}
+
 Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t viewers) {
   Json out = {{"topic", "status"},
               {"state", s.state},
@@ -167,7 +174,9 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
   }
   if (s.recording) out["recording"] = *s.recording;
   if (s.compare) {
-    out["compare"] = {{"labels", s.compare->labels}, {"first_over", nullptr}};
+    out["compare"] = {{"labels", s.compare->labels},
+                      {"first_over", nullptr},
+                      {"left_out", to_json(s.compare->left_out)}};
     if (s.compare->first_over) out["compare"]["first_over"] = *s.compare->first_over;
   }
   return out;

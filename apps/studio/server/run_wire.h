@@ -25,6 +25,7 @@ std::string encode_picture(int kind, const std::string& name, int width, int hei
 Json to_json(const IndexedEvent& event);
 Json to_json(const RunMessage& message);
 Json to_json(const Provenance& provenance);
+Json to_json(const std::vector<LeftOut>& left_out);
 Json status_json(const Situation& situation, const Frames::Extent& extent, std::size_t viewers);
 
 }  // namespace cogrsim::studio

@@ -6,7 +6,7 @@
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/physics/hosted_backend.h"
-#include "world.h"
+#include "engine.h"
 
 namespace cogrsim::bullet {
 
@@ -76,13 +76,13 @@ Capabilities make_capabilities() {
   return out;
 }
 
-class BulletBackend final : public HostedBackend<BulletWorld> {
+class BulletBackend final : public HostedBackend<EngineWorld<Engine>> {
  public:
   BulletBackend()
       : HostedBackend(
-            "bullet",
+            Engine::kName,
             std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100),
-            make_capabilities(), world_option_table()) {
+            make_capabilities(), Engine::options()) {
     // Bullet does not look whether malloc gave it memory, and would write through a null pointer. It
     // keeps these for the whole process, so they must be functions that are never unloaded.
     btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),

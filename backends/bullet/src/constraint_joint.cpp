@@ -9,6 +9,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
+#include "cogrsim/physics/axis_laws.h"
 #include "convert.h"
 
 namespace cogrsim::bullet {
@@ -50,30 +51,35 @@ ConstraintJoint::ConstraintJoint(const SceneModel& model, int joint, btRigidBody
                                  const btTransform& frame_a, const btTransform& frame_b,
                                  double softness)
     : joint_(joint),
+      first_speed_(model.joints[joint].speed_offset),
       type_(model.joints[joint].type),
       a_(a),
       b_(b),
       frame_a_(frame_a),
       frame_b_(frame_b),
-      softness_(softness) {
-  const Joint& made = model.joints[joint];
-  collide_ = made.bodies_collide;
+      softness_(softness),
+      collide_(model.joints[joint].bodies_collide) {}
+
+void ConstraintJoint::make_constraint() {
   switch (type_) {
     case JointType::hinge:
-      main_ = std::make_unique<btHingeConstraint>(a, b, frame_a, frame_b, true);
+      main_ = std::make_unique<btHingeConstraint>(a_, b_, frame_a_, frame_b_, true);
       break;
     case JointType::ball:
-      main_ =
-          std::make_unique<btPoint2PointConstraint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
+      main_ = std::make_unique<btPoint2PointConstraint>(a_, b_, frame_a_.getOrigin(),
+                                                        frame_b_.getOrigin());
       break;
     case JointType::fixed:
-      main_ = std::make_unique<btFixedConstraint>(a, b, frame_a, frame_b);
+      main_ = std::make_unique<btFixedConstraint>(a_, b_, frame_a_, frame_b_);
       break;
     default:
       main_ = make_six();
   }
+}
+
+void ConstraintJoint::make_laws(const SceneModel& model) {
   main_->setUserConstraintPtr(&load_);
-  make_axes(made);
+  make_axes(model.joints[joint_]);
   make_rows(model);
   if (auto* six = dynamic_cast<btGeneric6DofConstraint*>(main_.get())) {
     for (int dof = 0; dof < 6; ++dof) six->setLimit(dof, 0.0, 0.0);
@@ -93,7 +99,7 @@ void ConstraintJoint::make_axes(const Joint& joint) {
     if (universal) axis.dof = i == 0 ? 5 : 3;  // see make_six()
     axis.direction = (axis.on_child ? frame_b_ : frame_a_).getBasis().getColumn(along.maxAxis());
     if (!joint.axes.empty()) axis.law = axis_of_speed(joint, i);
-    const double start = at(i) < joint.position.size() ? joint.position[at(i)] : 0.0;
+    const double start = at(i) < joint.position.size() ? joint.position[i] : 0.0;
     axis.wide = axis.angular && axis.law.has_limit() && is_wide(axis.law, start);
   }
 }
@@ -111,11 +117,7 @@ void ConstraintJoint::make_rows(const SceneModel& model) {
       taken = true;
       axis.rows.push_back(row);
     };
-    for (std::size_t m = 0; m < model.motors.size(); ++m) {
-      const Motor& motor = model.motors[m];
-      if (motor.removed || motor.joint != joint_ || at(motor.axis) != i) continue;
-      add(Kind::motor, static_cast<int>(m));
-    }
+    for (const int m : motors_of(model, joint_, static_cast<int>(i))) add(Kind::motor, m);
     if (axis.law.friction > 0.0) add(Kind::friction, -1);
     if (axis.law.stiffness > 0.0 || axis.law.damping > 0.0) add(Kind::passive, -1);
     if (axis.law.rotor_inertia > 0.0) add(Kind::rotor, -1);
@@ -256,12 +258,8 @@ void ConstraintJoint::stop(const Axis& axis, Row& row) {
 /// A spring and damper with a bound: effort = clamp(bias + kp (position - q) + kd (velocity - u)).
 ///
 /// Semi-implicit Euler holds it as an explicit effort while s = dt (kd + dt kp) / m stays below
-/// about 2, m being the effective mass at the axis. Beyond, it becomes a motor of Bullet's: the law
-/// taken at the end of the step,
-///
-///     effort = K (v - u+),  K = kd + dt kp,  v = (bias + kp (position - q) + kd velocity) / K,
-///
-/// is a speed source of v with the softness u+ = v - impulse / (K dt).
+/// about 2, m being the effective mass at the axis. Beyond, it becomes a motor of Bullet's, a speed
+/// source with the softness u+ = v - impulse / (K dt), see SoftSource.
 ///
 /// Beside a rotor, Bullet's sweeps would take turns between two stiff rows: a law that is not near
 /// its bound goes into the rotor's row, and one that is beyond it is a constant effort. The effort
@@ -272,8 +270,7 @@ void ConstraintJoint::apply_law(const Axis& axis, const btVector3& along, Row& r
   row.bound = law.max_effort;
   row.gain = 0.0;
   if (law.is_speed_source() && rotor == 0.0) return drive(axis, row, dt, law.velocity, softness_);
-  double gain = law.kd + dt * law.kp;
-  double held = law.bias + law.kp * (law.position - q) + law.kd * law.velocity;
+  auto [gain, held] = at_end_of_step(law, dt, q);
   const double inverse = gain > 0.0 ? inverse_mass(axis, along) : 0.0;
   const double mass = inverse > 0.0 ? 1.0 / inverse + rotor : rotor;
   if (law.is_speed_source()) {
@@ -323,16 +320,17 @@ void ConstraintJoint::push(const btVector3& force, const btVector3& torque) {
   a_.applyTorque(-torque);
 }
 
-void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const double* efforts,
-                            const std::function<const double*()>& position) {
-  const double* q = nullptr;
+void ConstraintJoint::apply(const StepInput& input) {
+  if (!has_laws_ && input.efforts.empty()) return;
+  const double* const efforts = input.efforts.empty() ? nullptr : &input.efforts[first_speed_];
+  const double *q = nullptr, dt = input.dt;
   explicit_ = {};
   if (type_ == JointType::ball) align_extras();
   stiff_ = efforts ? kSoft : kStiff;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
     const btVector3 along = direction(axis, a_.getWorldTransform(), b_.getWorldTransform());
-    const auto coordinate = [&] { return (q ? q : q = position())[i]; };
+    const auto coordinate = [&] { return (q ? q : q = input.coordinates(joint_))[i]; };
     double effort = efforts ? efforts[i] : 0.0;
     if (axis.wide) set_wide_limits(axis, coordinate());
     for (Row& row : axis.rows) {
@@ -347,7 +345,7 @@ void ConstraintJoint::apply(double dt, const std::vector<Drive>& drives, const d
         continue;
       }
       Drive law{0.0, axis.law.stiffness, axis.law.rest, axis.law.damping};
-      if (row.kind == Kind::motor) law = drives[row.motor];
+      if (row.kind == Kind::motor) law = input.drives[row.motor];
       const double at = law.is_speed_source() ? 0.0 : coordinate();
       apply_law(axis, along, row, law, dt, at, speed(axis, along));
       effort += row.effort;

@@ -11,8 +11,6 @@
 #include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/scene_state.h"
 #include "cogrsim/physics/warnings.h"
 #include "convert.h"
 
@@ -116,12 +114,44 @@ Pose principal_frame(const Body& body, btVector3& moments) {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> Engine::create(const SceneModelPtr& model,
-                                               const WorldState& state) {
-  auto options = physics_options(*model, "bullet", world_option_table());
-  if (!options) return tl::unexpected<Error>(options.error());
-  auto out = std::unique_ptr<Engine>(new Engine(model, std::move(*options)));
-  if (auto done = out->build(state); !done) return tl::unexpected<Error>(done.error());
+const ParameterTable& Engine::options() {
+  static const ParameterTable table = {
+      parameter(
+          "solver", "sequential-impulse",
+          "btSequentialImpulseConstraintSolver, btNNCGConstraintSolver (diverges with bounded "
+          "motors), or btMLCPSolver with btDantzigSolver, btLemkeSolver (none for friction) or "
+          "btSolveProjectedGaussSeidel")
+          .one_of({"sequential-impulse", "nncg", "dantzig", "lemke", "projected-gauss-seidel"}),
+      parameter("iterations", 10, "sweeps of the solver (m_numIterations)").range(1, 10000),
+      parameter("erp", 0.2, "part of a joint's error that a step takes back (m_erp)").range(0, 1),
+      parameter("erp2", 0.2, "part of an overlap that a step takes back (m_erp2)").range(0, 1),
+      parameter("cfm", 0.0, "softness of contacts and joints (m_globalCfm)").range(0, 1e3),
+      parameter("split-impulse", true,
+                "overlap beyond the threshold is taken back without momentum (m_splitImpulse)"),
+      parameter("split-impulse-penetration-threshold", -0.04, "m",
+                "contact distance below which impulses are split")
+          .range(-1e3, 1e3),
+      parameter("warm-starting", true, "begin with the impulses of the step before"),
+      parameter("warm-starting-factor", 0.85, "part of them (m_warmstartingFactor)").range(0, 1),
+      parameter("friction-directions", 1,
+                "1: along the slip, 2: also across it (SOLVER_USE_2_FRICTION_DIRECTIONS)")
+          .range(1, 2),
+      parameter("margin", 0.0, "m",
+                "collision margin of boxes, cylinders and hulls; 0: a tenth of the smallest half "
+                "extent, 4 cm at most (setSafeMargin)")
+          .range(0, 10),
+      parameter("plane-convex-multipoint-iterations", 4,
+                "contact points between a plane and another shape that are looked for at once "
+                "(setPlaneConvexMultipointIterations)")
+          .range(0, 16),
+  };
+  return table;
+}
+
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Parameters& options,
+                                             const WorldState& begin, const Engine*) {
+  std::unique_ptr<Engine> out(new Engine(model, options));
+  if (auto done = out->build(begin); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
 
@@ -134,8 +164,10 @@ Engine::~Engine() {
 void Engine::make_world() {
   btDefaultCollisionConstructionInfo info;
   configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
-  const int points =
-      static_cast<int>(value_of<std::int64_t>(options_, "plane-convex-multipoint-iterations"));
+  const auto count = [&](const char* name) {
+    return static_cast<int>(value_of<std::int64_t>(options_, name));
+  };
+  const int points = count("plane-convex-multipoint-iterations");
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
@@ -144,20 +176,19 @@ void Engine::make_world() {
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
+  const auto number = [&](const char* name) { return value_of<double>(options_, name); };
   btContactSolverInfo& solver = world_->getSolverInfo();
-  solver.m_numIterations = static_cast<int>(value_of<std::int64_t>(options_, "iterations"));
-  solver.m_erp = value_of<double>(options_, "erp");
-  solver.m_erp2 = value_of<double>(options_, "erp2");
-  solver.m_globalCfm = value_of<double>(options_, "cfm");
+  solver.m_numIterations = count("iterations");
+  solver.m_erp = number("erp");
+  solver.m_erp2 = number("erp2");
+  solver.m_globalCfm = number("cfm");
   solver.m_splitImpulse = value_of<bool>(options_, "split-impulse");
-  solver.m_splitImpulsePenetrationThreshold =
-      value_of<double>(options_, "split-impulse-penetration-threshold");
+  solver.m_splitImpulsePenetrationThreshold = number("split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
-  solver.m_warmstartingFactor = value_of<double>(options_, "warm-starting-factor");
-  if (!value_of<bool>(options_, "warm-starting")) solver.m_warmstartingFactor = 0.0;
-  if (static_cast<int>(value_of<std::int64_t>(options_, "friction-directions")) == 2)
-    solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  if (surfaces_->any_moves()) {
+  solver.m_warmstartingFactor =
+      value_of<bool>(options_, "warm-starting") ? number("warm-starting-factor") : 0.0;
+  if (count("friction-directions") == 2) solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  if (!surfaces_->velocities.empty()) {
     solver.m_solverMode |=
         SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
   }
@@ -184,13 +215,20 @@ Result<> Engine::build(const WorldState& state) {
     part.shape = std::move(*shape);
     surfaces_->set_frame(static_cast<int>(b), part.X_BG);
     part.centred = part.X_BG.p == Vec3::Zero() && part.X_BG.q.coeffs() == Quat(1, 0, 0, 0).coeffs();
-    add_body(static_cast<int>(b), state);
   }
+  // Bodies side by side in memory, and so constraints.
+  for (std::size_t b = 0; b < count; ++b) make_body(static_cast<int>(b), state);
+  for (std::size_t b = 0; b < count; ++b) add_body(static_cast<int>(b));
   if (!model_->couplings.empty() || has_rotors(*model_)) {
     sweeps_ = kSweeps;
     world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
   }
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) add_joint(static_cast<int>(j));
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) make_joint(static_cast<int>(j));
+  for (const auto& joint : joints_) joint->make_constraint();
+  for (const auto& joint : joints_) {
+    joint->make_laws(*model_);
+    joint->add_to(*world_, sweeps_);
+  }
   // Pairs that the scene excludes from collision. A constraint excludes its own two bodies.
   for (const auto& [first, second] : model_->no_collide) {
     btRigidBody *const a = parts_[first].rigid.get(), *const b = parts_[second].rigid.get();
@@ -208,9 +246,10 @@ Motion Engine::motion_of(const Part& part, const Pose& X, const Twist& V) const 
           to_bt(V.angular)};
 }
 
-void Engine::add_body(int body, const WorldState& state) {
+void Engine::make_body(int body, const WorldState& state) {
   const Body& of = model_->bodies[body];
   Part& part = parts_[body];
+  if (of.removed) return;
   const Motion start = motion_of(part, state.poses[body], state.twists[body]);
   btRigidBody::btRigidBodyConstructionInfo info(of.kind == BodyKind::dynamic ? of.mass : 0.0,
                                                 nullptr, part.shape->shape, part.inertia);
@@ -231,8 +270,15 @@ void Engine::add_body(int body, const WorldState& state) {
     movers_.push_back(body);
   }
   before_[body] = start;
+}
+
+void Engine::add_body(int body) {
+  Part& part = parts_[body];
+  if (!part.rigid) return;
+  btRigidBody& rigid = *part.rigid;
   part.shape->collides ? world_->addRigidBody(&rigid) : world_->addRigidBody(&rigid, 0, 0);
-  rigid.setGravity(of.gravity_scale * world_->getGravity());  // addRigidBody sets the world's
+  rigid.setGravity(model_->bodies[body].gravity_scale *
+                   world_->getGravity());  // addRigidBody sets the world's
 }
 
 void Engine::set_motion(btRigidBody& body, const Motion& motion) {
@@ -242,7 +288,7 @@ void Engine::set_motion(btRigidBody& body, const Motion& motion) {
   body.setInterpolationWorldTransform(motion.X);
 }
 
-void Engine::add_joint(int joint) {
+void Engine::make_joint(int joint) {
   const Joint& made = model_->joints[joint];
   if (made.removed || made.type == JointType::free) return;
   const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[body]); };
@@ -252,11 +298,9 @@ void Engine::add_joint(int joint) {
   const auto rigid = [&](int body) -> btRigidBody& {
     return body == kWorld ? *ground_ : *parts_[body].rigid;
   };
-  auto constraint = std::make_unique<ConstraintJoint>(
+  joints_.push_back(std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
-      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm"));
-  constraint->add_to(*world_, sweeps_);
-  joints_.push_back(std::move(constraint));
+      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm")));
 }
 
 Motion Engine::motion(const btRigidBody& body) {
@@ -275,52 +319,51 @@ btTransform Engine::frame_of(int body, const Pose& X_BF) const {
   return to_bt(parts_[body].X_BG.inverse() * X_BF);
 }
 
-int Engine::step(double dt, const StepInput& input) {
-  double spin = 0.0;
+void Engine::step(const StepInput& input) {
+  dt_ = input.dt;
+  driven_spin_ = 0.0;
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
     Part& part = parts_[b];
-    part.pose = moved(part.pose, input.twists[b], dt);
-    spin = std::max(spin, input.twists[b].angular.norm());
+    part.pose = moved(part.pose, input.twists[b], dt_);
+    driven_spin_ = std::max(driven_spin_, input.twists[b].angular.norm());
     before_[b].X = to_bt(part.pose * part.X_BG);
     part.rigid->setWorldTransform(before_[b].X);
   }
-  for (const auto& joint : joints_) {
-    const bool pushed = !input.efforts.empty();
-    if (!joint->has_laws() && !pushed) continue;
-    joint->apply(dt, input.drives,
-                 pushed ? &input.efforts[model_->joints[joint->joint()].speed_offset] : nullptr,
-                 [&] { return input.coordinates(joint->joint()); });
-  }
+  for (const auto& joint : joints_) joint->apply(input);
   for (const int b : movers_) before_[b] = motion(*parts_[b].rigid);
   for (std::size_t b = 0; b < input.external.size(); ++b) {  // Bullet clears them after the step
     if (!parts_[b].rigid) continue;
     parts_[b].rigid->applyCentralForce(to_bt(input.external[b].force));
     parts_[b].rigid->applyTorque(to_bt(input.external[b].torque));
   }
-  dt_ = dt;
   rows_.resizeNoInitialize(0);
   sound_ = false;
-  world_->stepSimulation(dt, 0);
+  world_->stepSimulation(dt_, 0);
   sound_ = true;
+}
 
-  int diverged = -1;
-  double most = spin * spin;
+int Engine::find_lost() const {
   for (const int b : movers_) {
     const btRigidBody& body = *parts_[b].rigid;
-    const double turning = body.getAngularVelocity().length2();
-    most = std::max(most, turning);
-    const bool fine = StateBounds().hold(body.getCenterOfMassPosition().length2(),
-                                         body.getLinearVelocity().length2(), turning);
-    if (!fine && diverged < 0) diverged = b;
+    if (!kBounds.hold(body.getCenterOfMassPosition().length2(), body.getLinearVelocity().length2(),
+                      body.getAngularVelocity().length2()))
+      return b;
   }
-  if (diverged >= 0) {
-    for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
-    forget_contacts();
-    return diverged;
-  }
-  fastest_spin_ = std::sqrt(most);
   return -1;
+}
+
+bool Engine::undo() {
+  for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
+  forget_contacts();
+  return true;
+}
+
+double Engine::fastest_spin() const {
+  double most = driven_spin_ * driven_spin_;
+  for (const int b : movers_)
+    most = std::max(most, parts_[b].rigid->getAngularVelocity().length2());
+  return std::sqrt(most);
 }
 
 std::vector<Diagnostic> Engine::warnings() const {
@@ -328,7 +371,7 @@ std::vector<Diagnostic> Engine::warnings() const {
   std::vector<std::vector<double>> ratios(model_->joints.size());
   for (const auto& joint : joints_) {
     for (std::size_t i = 0; i < model_->joints[joint->joint()].axes.size(); ++i)
-      ratios[at(joint->joint())].push_back(joint->rotor_ratio(i));
+      ratios[joint->joint()].push_back(joint->rotor_ratio(i));
   }
   return rotor_warnings(*model_, "bullet", ratios, kMostRotor);
 }
@@ -348,7 +391,7 @@ Twist Engine::twist(int body) const {
   return out;
 }
 
-void Engine::set_state(const WorldState& state) {
+void Engine::write(const WorldState& state) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     Part& part = parts_[b];
     const Body& body = model_->bodies[b];
@@ -376,7 +419,7 @@ void Engine::sum_rows() const {
   rows_.resizeNoInitialize(0);
 }
 
-void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+void Engine::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   sum_rows();
   for (const auto& constraint : joints_) {
     const Joint& joint = model_->joints[constraint->joint()];
@@ -385,7 +428,7 @@ void Engine::get_efforts(std::vector<double>& joints, std::vector<double>& motor
   }
 }
 
-void Engine::get_reactions(std::vector<Wrench>& out) const {
+void Engine::read_reactions(std::vector<Wrench>& out) const {
   sum_rows();
   for (const auto& joint : joints_) {
     const std::size_t j = at(joint->joint());
@@ -394,7 +437,7 @@ void Engine::get_reactions(std::vector<Wrench>& out) const {
   }
 }
 
-void Engine::get_contacts(std::vector<Contact>& out) const {
+void Engine::read_contacts(std::vector<Contact>& out) const {
   for (int i = 0; i < dispatcher_->getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_->getManifoldByIndexInternal(i);
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
@@ -403,15 +446,11 @@ void Engine::get_contacts(std::vector<Contact>& out) const {
       const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
                                 point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                                 point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-      Contact& contact = out.emplace_back();
-      contact.body_a = manifold.getBody1()->getUserIndex();
-      contact.body_b = manifold.getBody0()->getUserIndex();
-      contact.shape_a = point.m_partId1;
-      contact.shape_b = point.m_partId0;
-      contact.point = from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2);
-      contact.normal = from_bt(point.m_normalWorldOnB);
-      contact.depth = -point.getDistance();
-      contact.force = from_bt(impulse * (1.0 / dt_));
+      out.push_back({manifold.getBody1()->getUserIndex(), manifold.getBody0()->getUserIndex(),
+                     point.m_partId1, point.m_partId0,
+                     from_bt((point.m_positionWorldOnA + point.m_positionWorldOnB) / 2),
+                     from_bt(point.m_normalWorldOnB), -point.getDistance(),
+                     from_bt(impulse * (1.0 / dt_))});
     }
   }
 }

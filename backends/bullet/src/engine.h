@@ -13,11 +13,8 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolverInterface.h>
 
-#include "cogrsim/core/diagnostic.h"
-#include "cogrsim/model/scene_model.h"
-#include "cogrsim/physics/hosted_world.h"
+#include "cogrsim/physics/engine_world.h"
 #include "constraint_joint.h"
-#include "options.h"
 #include "shapes.h"
 
 namespace cogrsim::bullet {
@@ -35,55 +32,41 @@ struct JointRow {
 };
 using JointRows = btAlignedObjectArray<JointRow>;
 
-/// What a step is given. `efforts`: along the joints' speeds, or none; `twists`: of kinematic bodies,
-/// by body.
-struct StepInput {
-  const std::vector<Drive>& drives;
-  const std::vector<double>& efforts;
-  const std::vector<Twist>& twists;
-  const std::vector<Wrench>& external;
-  std::function<const double*(int joint)> coordinates;  ///< of a joint now, turns counted
-};
-
-/// Everything that a step depends on; see Engine::save().
-struct Memory : HostedMemory {
-  SceneModelPtr model;
-};
-
-class Engine {
+class Engine final : public SceneEngine {
  public:
-  /// The scene as it is in `state`. Errors: what Bullet cannot take, with its source position.
-  static Result<std::unique_ptr<Engine>> create(const SceneModelPtr& model,
-                                                const WorldState& state);
+  static constexpr const char *kName = "bullet", *kTitle = "Bullet";
+  static constexpr bool kLacksCouplings = true, kHoldsTwists = false, kRestoresInPlace = false;
+  /// By Bullet's names and with its defaults.
+  static const ParameterTable& options();
+
+  /// Errors: a shape that Bullet cannot take, with its source position.
+  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const Parameters& options,
+                                              const WorldState& begin, const Engine* old);
+  /// The contacts between bodies that both have.
+  void take_over(const Engine& old, const WorldState&, const SceneChange&) { restore(*old.save()); }
   ~Engine();
 
-  const SceneModelPtr& model() const { return model_; }
-
-  /// One stepSimulation(dt, 0). Returns the first body that has left all bounds, with everything back
-  /// where it was before; -1: none.
-  int step(double dt, const StepInput& input);
+  /// One stepSimulation(dt, 0).
+  void step(const StepInput& input);
+  int find_lost() const;
+  bool undo();
   /// Rotors that the solver's sweeps do not hold.
   std::vector<Diagnostic> warnings() const;
 
   Pose pose(int body) const;
-  /// Of the body's origin; kinematic bodies excepted.
   Twist twist(int body) const;
-  /// A bound for all bodies in the last step [rad/s].
-  double fastest_spin() const { return fastest_spin_; }
-  /// Moves everything; contacts are forgotten.
-  void set_state(const WorldState& state);
-
-  // Of the last step.
-  void get_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
-  void get_reactions(std::vector<Wrench>& out) const;
-  void get_contacts(std::vector<Contact>& out) const;
+  double fastest_spin() const;
+  void write(const WorldState& state);
+  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
+  void read_reactions(std::vector<Wrench>& out) const;
+  void read_contacts(std::vector<Contact>& out) const;
 
   /// What continuing needs: poses and velocities, the contact points with their impulses, the
   /// broadphase's boxes and pairs, and every ordering that the solver depends on.
-  std::shared_ptr<const Memory> save() const;
-  /// Into an engine that create() has just made: all of it where the memory is of the same model,
-  /// else the contacts between bodies that both have.
-  void restore(const Memory& memory);
+  std::shared_ptr<const HostedMemory> save() const;
+  /// Into an engine that has just been made: all of it where the memory is of the same model, else the
+  /// contacts between bodies that both have.
+  void restore(const HostedMemory& memory);
 
  private:
   struct Part {
@@ -99,11 +82,12 @@ class Engine {
       : options_(std::move(options)), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
   Result<> build(const WorldState& state);
   void make_world();
-  void add_body(int body, const WorldState& state);
-  void add_joint(int joint);
-  struct FullMemory;
-  void restore_broadphase(const FullMemory& memory);
-  void restore_contacts(const FullMemory& memory, const std::vector<char>& stays);
+  void make_body(int body, const WorldState& state);
+  void add_body(int body);
+  void make_joint(int joint);
+  struct Memory;
+  void restore_broadphase(const Memory& memory);
+  void restore_contacts(const Memory& memory, const std::vector<char>& stays);
   void forget_contacts();
   static Motion motion(const btRigidBody& body);
   static void set_motion(btRigidBody& body, const Motion& motion);
@@ -133,7 +117,7 @@ class Engine {
   std::vector<Motion> before_;  // the last step, by body; kinematic ones, where it put them
   double dt_ = 0.0;             // of the last step [s]
   mutable JointRows rows_;      // of the last step; none: summed up in the joints
-  double fastest_spin_ = 0.0;   // in it [rad/s]
+  double driven_spin_ = 0.0;    // of kinematic bodies in it [rad/s]
 };
 
 }  // namespace cogrsim::bullet

@@ -10,7 +10,7 @@
 
 namespace cogrsim::bullet {
 
-struct Engine::FullMemory final : Memory {
+struct Engine::Memory final : HostedMemory {
   /// Of one collision object in the broadphase: its box and the larger one in the tree.
   struct Boxes {
     btVector3 low, high, tree_low, tree_high;
@@ -21,8 +21,9 @@ struct Engine::FullMemory final : Memory {
     bool looked_at = false;
     std::vector<std::vector<btManifoldPoint>> manifolds;
   };
-  std::vector<Motion> now, before;  ///< by body
-  std::vector<Pose> poses;          ///< by body
+  SceneModelPtr model;
+  std::vector<Motion> now, before;                  ///< by body
+  std::vector<Pose> poses;                          ///< by body
   std::vector<Boxes> boxes;                         ///< by body
   std::vector<Pair> pairs;                          ///< in Bullet's order
   std::vector<std::pair<int, int>> manifold_order;  ///< pair, number in it
@@ -61,8 +62,8 @@ int body_of(const btBroadphaseProxy& proxy) {
 
 }  // namespace
 
-std::shared_ptr<const Memory> Engine::save() const {
-  auto out = std::make_shared<FullMemory>();
+std::shared_ptr<const HostedMemory> Engine::save() const {
+  auto out = std::make_shared<Memory>();
   out->model = model_;
   out->before = before_;
   out->now.resize(parts_.size());
@@ -82,10 +83,10 @@ std::shared_ptr<const Memory> Engine::save() const {
   std::map<const btPersistentManifold*, std::pair<int, int>> index_of;
   const auto& pairs = broadphase_->getOverlappingPairCache()->getOverlappingPairArray();
   for (int i = 0; i < pairs.size(); ++i) {
-    FullMemory::Pair pair{body_of(*pairs[i].m_pProxy0),
-                          body_of(*pairs[i].m_pProxy1),
-                          pairs[i].m_algorithm != nullptr,
-                          {}};
+    Memory::Pair pair{body_of(*pairs[i].m_pProxy0),
+                      body_of(*pairs[i].m_pProxy1),
+                      pairs[i].m_algorithm != nullptr,
+                      {}};
     for (const btPersistentManifold* manifold : manifolds_of(pairs[i])) {
       index_of[manifold] = {i, static_cast<int>(pair.manifolds.size())};
       auto& points = pair.manifolds.emplace_back();
@@ -102,10 +103,10 @@ std::shared_ptr<const Memory> Engine::save() const {
 }
 
 /// Boxes with the margins they had; all pairs go, to come back in their order.
-void Engine::restore_broadphase(const FullMemory& memory) {
+void Engine::restore_broadphase(const Memory& memory) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     if (!parts_[b].rigid) continue;
-    const FullMemory::Boxes& boxes = memory.boxes[b];
+    const Memory::Boxes& boxes = memory.boxes[b];
     btDbvtProxy& proxy = proxy_of(*parts_[b].rigid);
     broadphase_->getOverlappingPairCache()->removeOverlappingPairsContainingProxy(
         &proxy, dispatcher_.get());
@@ -122,14 +123,14 @@ void Engine::restore_broadphase(const FullMemory& memory) {
 
 /// Contacts are looked for where they were last, for the algorithms to be as they were; what they
 /// find then is overwritten.
-void Engine::restore_contacts(const FullMemory& memory, const std::vector<char>& stays) {
+void Engine::restore_contacts(const Memory& memory, const std::vector<char>& stays) {
   for (std::size_t b = 0; b < stays.size(); ++b) {
     if (stays[b]) parts_[b].rigid->setWorldTransform(memory.before[b].X);
   }
   btOverlappingPairCache& cache = *broadphase_->getOverlappingPairCache();
   std::vector<std::vector<btPersistentManifold*>> manifolds(memory.pairs.size());
   for (std::size_t i = 0; i < memory.pairs.size(); ++i) {
-    const FullMemory::Pair& saved = memory.pairs[i];
+    const Memory::Pair& saved = memory.pairs[i];
     if (!stays[saved.a] || !stays[saved.b]) continue;
     btBroadphaseProxy &a = proxy_of(*parts_[saved.a].rigid), &b = proxy_of(*parts_[saved.b].rigid);
     btBroadphasePair* pair = cache.findPair(&a, &b);
@@ -158,8 +159,8 @@ void Engine::restore_contacts(const FullMemory& memory, const std::vector<char>&
   }
 }
 
-void Engine::restore(const Memory& saved) {
-  const auto& memory = static_cast<const FullMemory&>(saved);
+void Engine::restore(const HostedMemory& saved) {
+  const auto& memory = static_cast<const Memory&>(saved);
   sound_ = false;
   if (memory.model == model_) {
     for (std::size_t b = 0; b < parts_.size(); ++b) parts_[b].pose = memory.poses[b];

@@ -26,107 +26,77 @@ namespace cogrsim::bullet {
 
 namespace {
 
-constexpr std::size_t kLargestTable = 256;  // materials
-
-class Maker {
- public:
-  Maker(const SceneModel& model, const Body& body, double margin, BodyShape& out)
-      : model_(model), body_(body), margin_(margin), out_(out) {}
-
-  /// One leaf; X_BS moves where Bullet centres a shape elsewhere.
-  Result<btCollisionShape*> leaf(const Shape& shape, Pose& X_BS) {
-    auto made = make(shape, X_BS);
-    if (!made) {
-      return fail("shape '" + shape.name + "': its mesh has no triangles, or spans no volume",
-                  source_position(model_, shape.origin));
-    }
-    if (margin_ > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder))
-      made->setMargin(margin_);
-    made->setUserIndex(static_cast<int>(&shape - body_.shapes.data()));
-    made->setUserIndex2(shape.material);
-    return keep(std::move(made));
+/// The hull shrunk by the margin that Bullet adds again, so that it keeps its size. `margin` [m]; 0:
+/// Bullet's own.
+std::unique_ptr<btCollisionShape> hull(const TriangleMesh& mesh, double margin) {
+  if (mesh.vertices.size() < 4) return nullptr;
+  Vec3 low = mesh.vertices.front(), high = low;
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
   }
+  if (!(margin > 0.0))
+    margin = std::min<double>(CONVEX_DISTANCE_MARGIN, 0.05 * (high - low).minCoeff());
+  btConvexHullComputer computer;
+  const double shrunk = computer.compute(mesh.vertices.front().data(), 3 * sizeof(double),
+                                         static_cast<int>(mesh.vertices.size()), margin, 0.25);
+  if (computer.vertices.size() < 4 || shrunk < 0.0) return nullptr;
+  auto shape = std::make_unique<btConvexHullShape>();
+  for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(computer.vertices[i], false);
+  shape->recalcLocalAabb();
+  shape->setMargin(shrunk);
+  return shape;
+}
 
-  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
-    out_.parts.push_back(std::move(shape));
-    return out_.parts.back().get();
+/// `out` keeps what the shape points into.
+std::unique_ptr<btCollisionShape> surface(const MeshPtr& mesh, BodyShape& out) {
+  if (mesh->triangles.empty()) return nullptr;
+  out.data.push_back(mesh);
+  auto triangles = std::make_unique<btTriangleIndexVertexArray>(
+      static_cast<int>(mesh->triangles.size()), const_cast<int*>(mesh->triangles.front().data()),
+      int{3 * sizeof(int)}, static_cast<int>(mesh->vertices.size()),
+      const_cast<double*>(mesh->vertices.front().data()), int{3 * sizeof(double)});
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
+  out.triangles.push_back(std::move(triangles));
+  return shape;
+}
+
+/// Bullet centres the field between its lowest and highest point.
+std::unique_ptr<btCollisionShape> terrain(const HeightGridPtr& grid, Pose& X_BS, BodyShape& out) {
+  out.data.push_back(grid);
+  const auto [low, high] = std::minmax_element(grid->heights.begin(), grid->heights.end());
+  auto shape = std::make_unique<btHeightfieldTerrainShape>(
+      grid->columns, grid->rows, grid->heights.data(), *low, *high, 2, true);
+  shape->setLocalScaling(
+      btVector3(grid->size_x / (grid->columns - 1), grid->size_y / (grid->rows - 1), 1));
+  X_BS = X_BS * Pose(Vec3(0, 0, 0.5 * (*low + *high)), Quat(1, 0, 0, 0));
+  return shape;
+}
+
+/// nullptr: a mesh without triangles or volume. X_BS moves where Bullet centres a shape elsewhere.
+std::unique_ptr<btCollisionShape> make(const SceneModel& model, const Shape& shape, double margin,
+                                       Pose& X_BS, BodyShape& out) {
+  const double r = shape.radius;
+  switch (shape.type) {
+    case ShapeType::box:
+      return std::make_unique<btBoxShape>(to_bt(0.5 * shape.size));
+    case ShapeType::sphere:
+      return std::make_unique<btSphereShape>(r);
+    case ShapeType::cylinder:
+      return std::make_unique<btCylinderShapeZ>(btVector3(r, r, 0.5 * shape.length));
+    case ShapeType::capsule:
+      return std::make_unique<btCapsuleShapeZ>(r, shape.length);
+    case ShapeType::plane:
+      return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
+    case ShapeType::convex_mesh:
+      return hull(*model.meshes[shape.mesh], margin);
+    case ShapeType::mesh:
+      return surface(model.meshes[shape.mesh], out);
+    case ShapeType::heightmap:
+      return terrain(model.heightmaps[shape.heightmap], X_BS, out);
   }
-
- private:
-  std::unique_ptr<btCollisionShape> make(const Shape& shape, Pose& X_BS) {
-    const double r = shape.radius;
-    switch (shape.type) {
-      case ShapeType::box:
-        return std::make_unique<btBoxShape>(to_bt(0.5 * shape.size));
-      case ShapeType::sphere:
-        return std::make_unique<btSphereShape>(r);
-      case ShapeType::cylinder:
-        return std::make_unique<btCylinderShapeZ>(btVector3(r, r, 0.5 * shape.length));
-      case ShapeType::capsule:
-        return std::make_unique<btCapsuleShapeZ>(r, shape.length);
-      case ShapeType::plane:
-        return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0);
-      case ShapeType::convex_mesh:
-        return hull(*model_.meshes[shape.mesh]);
-      case ShapeType::mesh:
-        return surface(model_.meshes[shape.mesh]);
-      case ShapeType::heightmap:
-        return terrain(model_.heightmaps[shape.heightmap], X_BS);
-    }
-    return nullptr;
-  }
-
-  /// The hull shrunk by the margin that Bullet adds again, so that it keeps its size.
-  std::unique_ptr<btCollisionShape> hull(const TriangleMesh& mesh) const {
-    if (mesh.vertices.size() < 4) return nullptr;
-    Vec3 low = mesh.vertices.front(), high = low;
-    for (const Vec3& v : mesh.vertices) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-    const double margin =
-        margin_ > 0.0 ? margin_
-                      : std::min<double>(CONVEX_DISTANCE_MARGIN, 0.05 * (high - low).minCoeff());
-    btConvexHullComputer computer;
-    const double shrunk = computer.compute(mesh.vertices.front().data(), 3 * sizeof(double),
-                                           static_cast<int>(mesh.vertices.size()), margin, 0.25);
-    if (computer.vertices.size() < 4 || shrunk < 0.0) return nullptr;
-    auto shape = std::make_unique<btConvexHullShape>();
-    for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(computer.vertices[i], false);
-    shape->recalcLocalAabb();
-    shape->setMargin(shrunk);
-    return shape;
-  }
-
-  std::unique_ptr<btCollisionShape> surface(const MeshPtr& mesh) {
-    if (mesh->triangles.empty()) return nullptr;
-    out_.data.push_back(mesh);
-    auto triangles = std::make_unique<btTriangleIndexVertexArray>(
-        static_cast<int>(mesh->triangles.size()), const_cast<int*>(mesh->triangles.front().data()),
-        int{3 * sizeof(int)}, static_cast<int>(mesh->vertices.size()),
-        const_cast<double*>(mesh->vertices.front().data()), int{3 * sizeof(double)});
-    auto shape = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
-    out_.triangles.push_back(std::move(triangles));
-    return shape;
-  }
-
-  /// Bullet centres the field between its lowest and highest point.
-  std::unique_ptr<btCollisionShape> terrain(const HeightGridPtr& grid, Pose& X_BS) {
-    out_.data.push_back(grid);
-    const auto [low, high] = std::minmax_element(grid->heights.begin(), grid->heights.end());
-    auto shape = std::make_unique<btHeightfieldTerrainShape>(
-        grid->columns, grid->rows, grid->heights.data(), *low, *high, 2, true);
-    shape->setLocalScaling(
-        btVector3(grid->size_x / (grid->columns - 1), grid->size_y / (grid->rows - 1), 1));
-    X_BS = X_BS * Pose(Vec3(0, 0, 0.5 * (*low + *high)), Quat(1, 0, 0, 0));
-    return shape;
-  }
-
-  const SceneModel& model_;
-  const Body& body_;
-  const double margin_;  // [m]; 0: Bullet's own
-  BodyShape& out_;
-};
+  return nullptr;
+}
 
 /// The leaf of ours that a wrapper stands for: triangles of a mesh are made on the way.
 const btCollisionShape* leaf_of(const btCollisionObjectWrapper* wrapper) {
@@ -141,7 +111,7 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper
   if (!owner || owner != wrapper_1->getCollisionObject()->getUserPointer()) return true;
   const btCollisionShape *const a = leaf_of(wrapper_0), *const b = leaf_of(wrapper_1);
   const SurfacePair pair =
-      static_cast<const Surfaces*>(owner)->pair(a->getUserIndex2(), b->getUserIndex2());
+      static_cast<const Surfaces*>(owner)->pairs(a->getUserIndex2(), b->getUserIndex2());
   point.m_combinedFriction = pair.friction;
   point.m_combinedRestitution = pair.restitution;
   // Without the one Bullet does not look at the other.
@@ -153,7 +123,7 @@ bool set_surface(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper
     point.m_combinedContactStiffness1 = *pair.stiffness;
     point.m_combinedContactDamping1 = 0.0;
   }
-  // Bullet does not read these; they are for get_contacts().
+  // Bullet does not read these; they are for read_contacts().
   point.m_partId0 = a->getUserIndex();
   point.m_partId1 = b->getUserIndex();
   return true;
@@ -165,9 +135,9 @@ bool set_motion(btManifoldPoint& point, void* first, void* second) {
   const auto& a = *static_cast<const btCollisionObject*>(first);
   const auto& b = *static_cast<const btCollisionObject*>(second);
   const auto* const owner = static_cast<const Surfaces*>(a.getUserPointer());
-  if (!owner || owner != b.getUserPointer() || !owner->any_moves()) return true;
+  if (!owner || owner != b.getUserPointer() || owner->velocities.empty()) return true;
   const auto surface = [&](const btCollisionObject& of, int shape) {
-    return of.getWorldTransform().getBasis() * owner->velocity(of.getUserIndex(), shape);
+    return of.getWorldTransform().getBasis() * owner->velocities[of.getUserIndex()][shape];
   };
   const auto speed = [](const btCollisionObject& of, const btVector3& at) {
     const btRigidBody* const body = btRigidBody::upcast(&of);
@@ -195,18 +165,26 @@ bool set_motion(btManifoldPoint& point, void* first, void* second) {
 Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, const Body& body,
                                                    double margin, Pose& X_BG) {
   auto out = std::make_unique<BodyShape>();
-  Maker maker(model, body, margin, *out);
+  const auto keep = [&](std::unique_ptr<btCollisionShape> shape) {
+    return out->parts.emplace_back(std::move(shape)).get();
+  };
   std::vector<std::pair<Pose, btCollisionShape*>> leaves;
   for (const Shape& shape : body.shapes) {
     if (!shape.collides) continue;
     Pose X_BS = shape.X_BS;
-    const auto made = maker.leaf(shape, X_BS);
-    if (!made) return tl::unexpected<Error>(made.error());
-    leaves.emplace_back(X_BS, *made);
+    auto made = make(model, shape, margin, X_BS, *out);
+    if (!made)
+      return fail("shape '" + shape.name + "': its mesh has no triangles, or spans no volume",
+                  source_position(model, shape.origin));
+    if (margin > 0.0 && (shape.type == ShapeType::box || shape.type == ShapeType::cylinder))
+      made->setMargin(margin);
+    made->setUserIndex(static_cast<int>(&shape - body.shapes.data()));
+    made->setUserIndex2(shape.material);
+    leaves.emplace_back(X_BS, keep(std::move(made)));
   }
   out->collides = !leaves.empty();
   if (leaves.empty()) {
-    out->shape = maker.keep(std::make_unique<btEmptyShape>());
+    out->shape = keep(std::make_unique<btEmptyShape>());
     return out;
   }
   const auto same = [](const Pose& a, const Pose& b) {
@@ -221,35 +199,23 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
   auto compound = std::make_unique<btCompoundShape>();
   for (const auto& [X_BS, leaf] : leaves)
     compound->addChildShape(to_bt(centred ? X_BS : X_BG.inverse() * X_BS), leaf);
-  out->shape = maker.keep(std::move(compound));
+  out->shape = keep(std::move(compound));
   return out;
 }
 
-Surfaces::Surfaces(const SceneModelPtr& model) : model_(model), count_(model->materials.size()) {
+Surfaces::Surfaces(const SceneModelPtr& model) : pairs(model), model_(model) {
   for (const Body& body : model->bodies)
     for (const Shape& shape : body.shapes)
       if (shape.collides && !shape.surface_velocity.isZero(0.0))
-        velocities_.resize(model->bodies.size());
-  if (count_ > kLargestTable) return;
-  for (std::size_t a = 0; a < count_; ++a) {
-    for (std::size_t b = 0; b < count_; ++b)
-      table_.push_back(surface_pair(*model, static_cast<int>(a), static_cast<int>(b)));
-  }
-}
-
-SurfacePair Surfaces::pair(int material_a, int material_b) const {
-  if (table_.empty()) return surface_pair(*model_, material_a, material_b);
-  return table_[at(material_a) * count_ + at(material_b)];
+        velocities.resize(model->bodies.size());
 }
 
 void Surfaces::set_frame(int body, const Pose& X_BG) {
-  if (!any_moves()) return;
+  if (velocities.empty()) return;
   for (const Shape& shape : model_->bodies[body].shapes)
-    velocities_[body].push_back(
+    velocities[body].push_back(
         to_bt(Vec3(X_BG.q.inverse() * (shape.X_BS.q * shape.surface_velocity))));
 }
-
-btVector3 Surfaces::velocity(int body, int shape) const { return velocities_[body][shape]; }
 
 void Surfaces::install() {
   gContactAddedCallback = &set_surface;

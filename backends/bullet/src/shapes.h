@@ -8,6 +8,7 @@
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 
 #include "cogrsim/model/scene_model.h"
+#include "cogrsim/physics/surface_table.h"
 
 class btManifoldPoint;
 struct btCollisionObjectWrapper;
@@ -35,13 +36,11 @@ Result<std::unique_ptr<BodyShape>> make_body_shape(const SceneModel& model, cons
 class Surfaces {
  public:
   explicit Surfaces(const SceneModelPtr& model);
-  SurfacePair pair(int material_a, int material_b) const;
-  /// Whether some surface moves along itself.
-  bool any_moves() const { return !velocities_.empty(); }
+  const SurfaceTable pairs;
+  /// By body and shape, of its surface in Bullet's frame of the body [m/s]; empty: none moves.
+  std::vector<std::vector<btVector3>> velocities;
   /// Bullet's frame of a body. Before it collides.
   void set_frame(int body, const Pose& X_BG);
-  /// Velocity of a shape's surface in Bullet's frame of its body [m/s].
-  btVector3 velocity(int body, int shape) const;
 
   /// Puts our function into Bullet's global pointer. It changes only objects that carry
   /// CF_CUSTOM_MATERIAL_CALLBACK, and knows nothing but what these point to, so that worlds on
@@ -50,9 +49,6 @@ class Surfaces {
 
  private:
   SceneModelPtr model_;
-  std::size_t count_ = 0;
-  std::vector<std::vector<btVector3>> velocities_;  // by body and shape; empty: none moves
-  std::vector<SurfacePair> table_;  // (count x count); empty where there are too many materials
 };
 
 }  // namespace cogrsim::bullet

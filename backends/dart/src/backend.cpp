@@ -5,7 +5,7 @@
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/physics/hosted_backend.h"
-#include "world.h"
+#include "engine.h"
 
 namespace cogrsim::dart_engine {
 
@@ -68,11 +68,11 @@ const void* in_libdart() {
 
 }  // namespace
 
-class DartBackend final : public HostedBackend<DartWorld> {
+class DartBackend final : public HostedBackend<EngineWorld<Engine>> {
  public:
   DartBackend()
-      : HostedBackend("dart", library_version(DART_VERSION, in_libdart()), make_capabilities(),
-                      world_option_table()) {}
+      : HostedBackend(Engine::kName, library_version(DART_VERSION, in_libdart()),
+                      make_capabilities(), Engine::options()) {}
   Provenance provenance(const Parameters& options) const override {
     const bool pgs = value_of<std::string>(options, "lcp-solver") == "pgs";
     Provenance out;

@@ -81,12 +81,11 @@ ShapePtr shape_of(const SceneModel& model, const cogrsim::Shape& shape) {
     case ShapeType::plane:
       return std::make_shared<PlaneShape>(Eigen::Vector3d::UnitZ(), 0.0);
     case ShapeType::convex_mesh:
-      return hull_shape(*model.meshes[static_cast<std::size_t>(shape.mesh)]);
+      return hull_shape(*model.meshes[shape.mesh]);
     case ShapeType::mesh:
-      return mesh_shape(*model.meshes[static_cast<std::size_t>(shape.mesh)]);
+      return mesh_shape(*model.meshes[shape.mesh]);
     case ShapeType::heightmap:
-      return mesh_shape(
-          geometry::triangles_of(*model.heightmaps[static_cast<std::size_t>(shape.heightmap)]));
+      return mesh_shape(geometry::triangles_of(*model.heightmaps[shape.heightmap]));
   }
   return nullptr;
 }
@@ -148,8 +147,8 @@ Detector::Stand* Detector::add_stand(BodyNode* node, double friction, double res
 }
 
 Result<> Detector::add(const SceneModel& model, const Trees& trees, int b, int s) {
-  const Body& body = model.bodies[static_cast<std::size_t>(b)];
-  const cogrsim::Shape& shape = body.shapes[static_cast<std::size_t>(s)];
+  const Body& body = model.bodies[b];
+  const cogrsim::Shape& shape = body.shapes[s];
   BodyNode* const node = trees.node(b);
   if (!shape.collides || body.removed || !node) return {};
   if (!node->getSkeleton()->isMobile() && shape.type != ShapeType::plane &&
@@ -175,9 +174,8 @@ bool Detector::collide(dart::collision::CollisionGroup* group,
     const Geom a = geoms_.at(contact.collisionObject1->getShapeFrame());
     const Geom b = geoms_.at(contact.collisionObject2->getShapeFrame());
     pairs_.emplace_back(a, b);
-    contact.collisionObject1 =
-        values_[static_cast<std::size_t>(a.body)][a.material * materials_ + b.material];
-    contact.collisionObject2 = neutral_[static_cast<std::size_t>(b.body)];
+    contact.collisionObject1 = values_[a.body][a.material * materials_ + b.material];
+    contact.collisionObject2 = neutral_[b.body];
   }
   return found;
 }

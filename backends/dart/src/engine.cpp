@@ -7,9 +7,7 @@
 #include <dart/constraint/PgsBoxedLcpSolver.hpp>
 #include <limits>
 
-#include "cogrsim/core/constants.h"
-#include "cogrsim/physics/backend_checks.h"
-#include "cogrsim/physics/hosted_world.h"
+#include "cogrsim/physics/axis_laws.h"
 
 namespace cogrsim::dart_engine {
 
@@ -35,9 +33,31 @@ std::shared_ptr<PgsBoxedLcpSolver> make_pgs(const Parameters& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const WorldState& begin) {
-  const auto options = physics_options(*model, "dart", world_option_table());
-  if (!options) return tl::unexpected(options.error());
+const ParameterTable& Engine::options() {
+  static const ParameterTable table = {
+      parameter(
+          "lcp-solver", "dantzig",
+          "dantzig: DantzigBoxedLcpSolver, by pivoting, and PgsBoxedLcpSolver where that finds "
+          "nothing, as DART does; pgs: PgsBoxedLcpSolver, by sweeps")
+          .one_of({"dantzig", "pgs"}),
+      parameter("max-iteration", 30, "sweeps of PgsBoxedLcpSolver (mMaxIteration)")
+          .range(1, 100000),
+      parameter("delta-x-threshold", 1e-6, "of its sweeps, the change of an impulse that ends them")
+          .range(0.0, 1.0),
+      parameter("relative-delta-x-tolerance", 1e-3, "likewise, relative to the impulse")
+          .range(0.0, 1.0),
+      parameter("epsilon-for-division", 1e-9, "diagonal below which it leaves a row alone")
+          .range(0.0, 1.0),
+      parameter("max-num-contacts", 10000,
+                "contact points of a step; what is beyond DART drops in silence, of 1000 on by its "
+                "own default (CollisionOption::maxNumContacts)")
+          .range(2, 1000000),
+  };
+  return table;
+}
+
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Parameters& options,
+                                             const WorldState& begin, const Engine*) {
   prepare_thread();
   std::unique_ptr<Engine> out(new Engine(model, begin.poses));
   auto detector = Detector::make(*model, out->trees_);
@@ -46,22 +66,22 @@ Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const W
   out->world_ = dart::simulation::World::create();
   dart::simulation::World& world = *out->world_;
   using dart::constraint::BoxedLcpConstraintSolver;
-  if (value_of<std::string>(*options, "lcp-solver") == "pgs")
+  if (value_of<std::string>(options, "lcp-solver") == "pgs")
     world.setConstraintSolver(
-        std::make_unique<BoxedLcpConstraintSolver>(make_pgs(*options), nullptr));
+        std::make_unique<BoxedLcpConstraintSolver>(make_pgs(options), nullptr));
   else
     world.setConstraintSolver(std::make_unique<BoxedLcpConstraintSolver>(
-        std::make_shared<dart::constraint::DantzigBoxedLcpSolver>(), make_pgs(*options)));
+        std::make_shared<dart::constraint::DantzigBoxedLcpSolver>(), make_pgs(options)));
   world.getConstraintSolver()->setCollisionDetector(out->detector_);
   world.getConstraintSolver()->getCollisionOption().collisionFilter = out->detector_->filter();
   world.getConstraintSolver()->getCollisionOption().maxNumContacts =
-      static_cast<std::size_t>(value_of<std::int64_t>(*options, "max-num-contacts"));
+      static_cast<std::size_t>(value_of<std::int64_t>(options, "max-num-contacts"));
   world.setGravity(model->physics.gravity);
   world.setTimeStep(model->physics.step);
   for (const auto& skeleton : out->trees_.skeletons()) world.addSkeleton(skeleton);
   for (const auto& weld : out->trees_.welds()) world.getConstraintSolver()->addConstraint(weld);
   for (const Link& link : out->trees_.links()) {
-    const Body& body = model->bodies[static_cast<std::size_t>(link.body)];
+    const Body& body = model->bodies[link.body];
     if (link.kinematic || body.gravity_scale != 1.0) link.node->setGravityMode(false);
   }
   out->add_axes();
@@ -83,9 +103,8 @@ Engine::RowPtr Engine::add_row(std::vector<AxisRow::Term> terms) {
 }
 
 void Engine::add_ball(int j) {
-  const Joint& joint = model_->joints[static_cast<std::size_t>(j)];
-  dart::dynamics::Joint& it =
-      *trees_.links()[static_cast<std::size_t>(trees_.link_of_joint(j))].joints[0];
+  const Joint& joint = model_->joints[j];
+  dart::dynamics::Joint& it = *trees_.links()[trees_.link_of_joint(j)].joints[0];
   if (joint.axes.empty()) return;
   for (std::size_t i = 0; i < 3; ++i) {
     it.setDampingCoefficient(i, joint.axes[0].damping);
@@ -102,7 +121,7 @@ void Engine::add_axes() {
       add_ball(static_cast<int>(j));
       continue;
     }
-    const Link& link = trees_.links()[static_cast<std::size_t>(index)];
+    const Link& link = trees_.links()[index];
     for (std::size_t i = 0; i < joint.axes.size() && joint.type != JointType::fixed; ++i) {
       const JointAxis& axis = joint.axes[i];
       dart::dynamics::Joint& it = *link.joints[i];
@@ -135,18 +154,13 @@ void Engine::add_motors() {
     if (index < 0) continue;
     MotorLaw& law = motors_.emplace_back();
     law.motor = static_cast<int>(m);
-    law.joint = trees_.links()[static_cast<std::size_t>(index)]
-                    .joints[static_cast<std::size_t>(motor.axis)];
+    law.joint = trees_.links()[index].joints[motor.axis];
     law.row = add_row({{law.joint, 1.0}});
     // DART's own servo, where its impulse can be told from others of its joint.
-    const auto on_axis = [&](const Motor& other) {
-      return !other.removed && other.joint == motor.joint && other.axis == motor.axis;
-    };
-    const JointAxis& axis = model_->joints[static_cast<std::size_t>(motor.joint)]
-                                .axes[static_cast<std::size_t>(motor.axis)];
+    const JointAxis& axis = model_->joints[motor.joint].axes[motor.axis];
     law.servo = motor.mode == MotorMode::velocity && !axis.has_limit() && axis.friction == 0.0 &&
                 axis.rotor_inertia == 0.0 && !is_coupled(motor.joint) &&
-                std::count_if(model_->motors.begin(), model_->motors.end(), on_axis) == 1;
+                motors_of(*model_, motor.joint, motor.axis).size() == 1;
   }
 }
 
@@ -171,9 +185,9 @@ void Engine::add_couplings() {
     const auto add = [&](int j, double factor) {
       const int index = trees_.link_of_joint(j);
       if (index >= 0)
-        terms.push_back({trees_.links()[static_cast<std::size_t>(index)].joints[0], factor});
+        terms.push_back({trees_.links()[index].joints[0], factor});
       else  // what does not move is where it begins
-        law.constant -= factor * model_->joints[static_cast<std::size_t>(j)].position.at(0);
+        law.constant -= factor * model_->joints[j].position.at(0);
     };
     add(coupling.joint, 1.0);
     for (const CouplingTerm& term : coupling.terms) add(term.joint, -term.ratio);
@@ -207,15 +221,11 @@ void Engine::set_motor(MotorLaw& law, const Drive& drive, double h) {
                           std::max(0.0, (law.joint->getPositionUpperLimit(0) - q) / h));
     return law.row->set(target, 0.0, drive.max_effort * h);
   }
-  // effort = bias + kp (position - q1) + kd (velocity - u1) with q1 = q + h u1, solved for u1.
-  const double stiff = drive.kd + h * drive.kp;
-  if (stiff <= 0.0) {
-    law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
-    law.joint->setCommand(0, law.joint->getCommand(0) + law.applied);
-    return;
-  }
-  law.row->set((drive.bias + drive.kp * (drive.position - q) + drive.kd * drive.velocity) / stiff,
-               1.0 / (h * stiff), drive.max_effort * h);
+  const SoftSource soft = at_end_of_step(drive, h, q);
+  if (soft.gain > 0.0)
+    return law.row->set(soft.speed(), 1.0 / (h * soft.gain), drive.max_effort * h);
+  law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
+  law.joint->setCommand(0, law.joint->getCommand(0) + law.applied);
 }
 
 void Engine::set_coupling(std::size_t index, double h) {
@@ -223,7 +233,7 @@ void Engine::set_coupling(std::size_t index, double h) {
   double error = -law.constant;
   for (const AxisRow::Term& term : law.row->terms())
     error += term.factor * term.joint->getPosition(0);
-  const Coupling& coupling = model_->couplings[static_cast<std::size_t>(law.coupling)];
+  const Coupling& coupling = model_->couplings[law.coupling];
   law.row->set(-kCouplingErp * error / h, 0.0, coupling.max_effort * h);
 }
 
@@ -240,13 +250,13 @@ void Engine::set_kinematic(const Link& link, const Twist& V, double h) const {
 
 void Engine::push(const std::vector<Wrench>& external) const {
   for (const Link& link : trees_.links()) {
-    const Body& body = model_->bodies[static_cast<std::size_t>(link.body)];
+    const Body& body = model_->bodies[link.body];
     if (link.kinematic) continue;
     Vec3 force = Vec3::Zero();
     if (body.gravity_scale != 1.0)
       force += body.gravity_scale * link.node->getMass() * model_->physics.gravity;
     if (!external.empty() && !link.slave) {
-      const Wrench& wrench = external[static_cast<std::size_t>(link.body)];
+      const Wrench& wrench = external[link.body];
       force += wrench.force;
       if (!wrench.torque.isZero(0.0)) link.node->addExtTorque(wrench.torque, false);
     }
@@ -254,8 +264,11 @@ void Engine::push(const std::vector<Wrench>& external) const {
   }
 }
 
-void Engine::step(double h, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
-                  const std::vector<Wrench>& external) {
+void Engine::step(const StepInput& input) {
+  const double h = input.dt;
+  start_ = state();
+  if (find_lost() >= 0) return;
+  check_loads(input);
   prepare_thread();
   if (world_->getTimeStep() != h) world_->setTimeStep(h);
   before_.clear();
@@ -268,21 +281,20 @@ void Engine::step(double h, const std::vector<Drive>& drives, const std::vector<
     if (law.passive)
       law.passive->set(axis.stiffness * (axis.rest - law.q) / stiff, 1.0 / (h * stiff), kInfinite);
   }
-  for (MotorLaw& law : motors_) set_motor(law, drives[static_cast<std::size_t>(law.motor)], h);
+  for (MotorLaw& law : motors_) set_motor(law, input.drives[law.motor], h);
   for (std::size_t i = 0; i < couplings_.size(); ++i) set_coupling(i, h);
-  push(external);
+  push(input.external);
   std::vector<Pose> moved_to;
   for (const Link& link : trees_.links()) {
     if (!link.kinematic) continue;
-    const Twist& V = twists[static_cast<std::size_t>(link.body)];
+    const Twist& V = input.twists[link.body];
     set_kinematic(link, V, h);
     moved_to.push_back(moved(pose(link.body), V, h));
   }
   world_->step(true);
   std::size_t k = 0;
   for (const Link& link : trees_.links())
-    if (link.kinematic)
-      trees_.set_free(link, moved_to[k++], twists[static_cast<std::size_t>(link.body)]);
+    if (link.kinematic) trees_.set_free(link, moved_to[k++], input.twists[link.body]);
   h_ = h;
 }
 
@@ -298,42 +310,45 @@ int Engine::find_lost() const {
                                    V.linear.squaredNorm(), V.angular.squaredNorm());
     for (const dart::dynamics::Joint* joint : link.joints)
       fine = fine && joint->getPositions().allFinite() && joint->getVelocities().allFinite();
-    if (link.joint >= 0 &&
-        model_->joints[static_cast<std::size_t>(link.joint)].type == JointType::gimbal)
+    if (link.joint >= 0 && model_->joints[link.joint].type == JointType::gimbal)
       fine = fine && std::abs(std::cos(link.joints[1]->getPosition(0))) > kSingular;
     if (!fine) return link.body;
   }
   return -1;
 }
 
-int Engine::find_overload(const std::vector<Drive>& drives,
-                          const std::vector<Wrench>& external) const {
+void Engine::check_loads(const StepInput& input) const {
+  const auto refuse = [&](int body) {
+    throw StepRefused(
+        "a load of body '" + model_->bodies[body].name + "' is beyond 1e12 N, N m, m/s", body);
+  };
   for (const MotorLaw& law : motors_) {
-    const Drive& drive = drives[static_cast<std::size_t>(law.motor)];
+    const Drive& drive = input.drives[law.motor];
     const double effort = std::min(std::abs(drive.bias), drive.max_effort);
     const bool fast = drive.kd > 0.0 && !(std::abs(drive.velocity) <= kMost);
-    const int joint = model_->motors[static_cast<std::size_t>(law.motor)].joint;
-    if (!(effort <= kMost) || fast)
-      return trees_.links()[static_cast<std::size_t>(trees_.link_of_joint(joint))].body;
+    const int joint = model_->motors[law.motor].joint;
+    if (!(effort <= kMost) || fast) refuse(trees_.links()[trees_.link_of_joint(joint)].body);
   }
-  for (std::size_t b = 0; b < external.size(); ++b)
-    if (!(external[b].force.norm() <= kMost && external[b].torque.norm() <= kMost))
-      return static_cast<int>(b);
-  return -1;
+  for (std::size_t b = 0; b < input.external.size(); ++b) {
+    const Wrench& load = input.external[b];
+    if (!(load.force.norm() <= kMost && load.torque.norm() <= kMost)) refuse(static_cast<int>(b));
+  }
 }
 
-Pose Engine::pose(int body) const { return from_dart(trees_.node(body)->getTransform()); }
+bool Engine::undo() {
+  restore(start_);
+  return true;
+}
 
 Twist Engine::twist(int body) const {
   const dart::dynamics::BodyNode* const node = trees_.node(body);
   return {node->getLinearVelocity(), node->getAngularVelocity()};
 }
 
-void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+void Engine::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
   if (h_ == 0.0) return;
   const auto at = [&](int joint, int axis) -> double& {
-    return joints[static_cast<std::size_t>(
-        model_->joints[static_cast<std::size_t>(joint)].speed_offset + axis)];
+    return joints[model_->joints[joint].speed_offset + axis];
   };
   for (const AxisLaw& law : axes_) {
     // Of the constraints, also DART's for limits and dry friction; inertia is no effort.
@@ -346,16 +361,16 @@ void Engine::efforts(std::vector<double>& joints, std::vector<double>& motors) c
                 axis.damping * law.look->free_speed();
   }
   for (const MotorLaw& law : motors_) {
-    const Motor& motor = model_->motors[static_cast<std::size_t>(law.motor)];
+    const Motor& motor = model_->motors[law.motor];
     double impulse = law.row->impulse();
     if (law.joint->getActuatorType() == dart::dynamics::Joint::SERVO)
       impulse = law.joint->getConstraintImpulse(0);
-    motors[static_cast<std::size_t>(law.motor)] = law.applied + impulse / h_;
+    motors[law.motor] = law.applied + impulse / h_;
     at(motor.joint, motor.axis) += law.applied;
   }
 }
 
-void Engine::reactions(std::vector<Wrench>& out) const {
+void Engine::read_reactions(std::vector<Wrench>& out) const {
   for (std::size_t i = 0; h_ > 0.0 && i < before_.size(); ++i) {
     const Link& link = trees_.links()[i];
     if (link.joint < 0) continue;
@@ -364,20 +379,25 @@ void Engine::reactions(std::vector<Wrench>& out) const {
     const Mat3 R = before_[i].linear();
     const double sign = link.reversed ? -1.0 : 1.0;
     const Vec3 force = sign * R * in_body.tail<3>(), torque = sign * R * in_body.head<3>();
-    const Joint& joint = model_->joints[static_cast<std::size_t>(link.joint)];
+    const Joint& joint = model_->joints[link.joint];
     Vec3 M = joint.X_CM.p;
     if (!link.reversed) {
       M = before_[i] * M;
     } else if (joint.child == kWorld) {
       (void)M;
     } else if (const int child = trees_.link_of_body(joint.child); child >= 0) {
-      M = before_[static_cast<std::size_t>(child)] * M;
+      M = before_[child] * M;
     } else {
       M = trees_.node(joint.child)->getTransform() * M;
     }
-    out[static_cast<std::size_t>(link.joint)] = {
-        force, torque + (before_[i].translation() - M).cross(force)};
+    out[link.joint] = {force, torque + (before_[i].translation() - M).cross(force)};
   }
+}
+
+bool Engine::read_joint(int joint, double* q, double* u) const {
+  const int link = trees_.link_of_joint(joint);
+  if (link >= 0) trees_.get_joint(trees_.links()[link], q, u);
+  return link >= 0;
 }
 
 Engine::State Engine::state() const {
@@ -387,20 +407,24 @@ Engine::State Engine::state() const {
   return out;
 }
 
-void Engine::set_state(const State& state) {
+void Engine::restore(const HostedMemory& memory) {
+  const auto& state = static_cast<const State&>(memory);
   for (std::size_t i = 0; i < state.motions.size(); ++i)
     Trees::set_motion(trees_.links()[i], state.motions[i]);
   for (std::size_t i = 0; i < state.impulses.size(); ++i)
     trees_.welds()[i]->impulses = state.impulses[i];
+  forget_step();
 }
 
-void Engine::take_over(const Engine& old) {
+void Engine::take_over(const Engine& old, const WorldState& begin, const SceneChange& change) {
   for (const Link& link : trees_.links())
     for (const Link& was : old.trees_.links())
       if (link.same_as(was)) Trees::set_motion(link, Trees::motion(was));
   for (const auto& weld : trees_.welds())
     for (const auto& was : old.trees_.welds())
       if (weld->joint == was->joint) weld->impulses = was->impulses;
+  const std::vector<int> struck = struck_bodies(*model_, change);
+  if (!struck.empty()) trees_.take_impact(begin, struck);
 }
 
 }  // namespace cogrsim::dart_engine

@@ -6,52 +6,55 @@
 #include <memory>
 #include <vector>
 
-#include "cogrsim/physics/drive.h"
+#include "cogrsim/physics/engine_world.h"
 #include "contacts.h"
-#include "options.h"
 #include "rows.h"
 #include "trees.h"
 
 namespace cogrsim::dart_engine {
 
-class Engine {
+class Engine final : public SceneEngine {
  public:
-  /// The scene in the state `begin`. Errors: a shape or an option that DART does not take, with its
-  /// source position.
-  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const WorldState& begin);
+  static constexpr const char *kName = "dart", *kTitle = "DART";
+  static constexpr bool kLacksCouplings = false;
+  /// By DART's own names and with its own defaults but one.
+  static const ParameterTable& options();
 
-  const Trees& trees() const { return trees_; }
-  const SceneModel& model() const { return *model_; }
+  /// Errors: a shape that DART does not take, with its source position.
+  static Result<std::unique_ptr<Engine>> make(const SceneModelPtr& model, const Parameters& options,
+                                              const WorldState& begin, const Engine* old);
+  void take_over(const Engine& old, const WorldState& begin, const SceneChange& change);
 
-  /// World::step. `twists`: of kinematic bodies; `external`: on bodies, or none.
-  void step(double h, const std::vector<Drive>& drives, const std::vector<Twist>& twists,
-            const std::vector<Wrench>& external);
-  /// The body of the first link beyond all bounds or not a number; -1: none. DART would end the
-  /// process over what is not a number.
+  /// World::step, of what is a number: DART would end the process over what is not.
+  void step(const StepInput& input);
   int find_lost() const;
-  /// Likewise of a motor or force with which a step would end so.
-  int find_overload(const std::vector<Drive>& drives, const std::vector<Wrench>& external) const;
+  bool undo();
 
-  Pose pose(int body) const;
+  Pose pose(int body) const { return from_dart(trees_.node(body)->getTransform()); }
   Twist twist(int body) const;
-  void efforts(std::vector<double>& joints, std::vector<double>& motors) const;
-  void reactions(std::vector<Wrench>& out) const;
-  void report(std::vector<Contact>& out) const {
+  /// A ball's is followed: of two signs of a quaternion it is the one nearer to what it was.
+  bool has_coordinates(int joint) const {
+    return trees_.link_of_joint(joint) >= 0 && model_->joints[joint].type != JointType::ball;
+  }
+  bool read_joint(int joint, double* q, double* u) const;
+  void write(const WorldState& state) {
+    trees_.set_all(state);
+    forget_step();
+  }
+  void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const;
+  void read_reactions(std::vector<Wrench>& out) const;
+  void read_contacts(std::vector<Contact>& out) const {
     detector_->report(world_->getConstraintSolver()->getLastCollisionResult(), out);
   }
-  /// There is no last step any more.
-  void forget_step();
+  std::shared_ptr<const HostedMemory> save() const { return std::make_shared<State>(state()); }
+  void restore(const HostedMemory& memory);
+
+ private:
   /// All that DART holds between steps, to the bit.
-  struct State {
+  struct State final : HostedMemory {
     std::vector<Motion> motions;                  ///< by link
     std::vector<std::array<double, 6>> impulses;  ///< by weld
   };
-  State state() const;
-  void set_state(const State& state);
-  /// Takes over what is held as it was in `old`.
-  void take_over(const Engine& old);
-
- private:
   using RowPtr = std::shared_ptr<AxisRow>;
   /// What acts along an axis beside motors.
   struct AxisLaw {
@@ -82,9 +85,12 @@ class Engine {
   void set_coupling(std::size_t index, double h);
   void set_kinematic(const Link& link, const Twist& V, double h) const;
   void push(const std::vector<Wrench>& external) const;
+  /// Throws StepRefused over a motor or force with which DART would end the process.
+  void check_loads(const StepInput& input) const;
+  State state() const;
+  void forget_step();  ///< there is no last step any more
   const JointAxis& axis_of(const AxisLaw& law) const {
-    return model_->joints[static_cast<std::size_t>(law.joint)]
-        .axes[static_cast<std::size_t>(law.axis)];
+    return model_->joints[law.joint].axes[law.axis];
   }
 
   SceneModelPtr model_;
@@ -99,7 +105,8 @@ class Engine {
     double constant = 0.0;  ///< offset, and what does not move
   };
   std::vector<CouplingLaw> couplings_;
-  std::vector<Eigen::Isometry3d> before_;  ///< by link, when the last step began
+  State start_;                            ///< of the last step
+  std::vector<Eigen::Isometry3d> before_;  ///< by link, when it began
   double h_ = 0.0;                         ///< of the last step; 0: none
 };
 

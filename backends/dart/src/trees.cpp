@@ -66,7 +66,7 @@ Trees::Trees(const SceneModel& model, const std::vector<Pose>& poses)
       parts_(model.bodies.size(), 1) {
   const BodyTrees trees = grow_body_trees(model, [](std::size_t) { return false; });
   const auto is_dynamic = [&](int b) {
-    return b != kWorld && model.bodies[static_cast<std::size_t>(b)].kind == BodyKind::dynamic;
+    return b != kWorld && model.bodies[b].kind == BodyKind::dynamic;
   };
   std::vector<int> loops;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -74,18 +74,16 @@ Trees::Trees(const SceneModel& model, const std::vector<Pose>& poses)
     const bool child = is_dynamic(joint.child);
     if (joint.removed || joint.type == JointType::free || (!child && !is_dynamic(joint.parent)))
       continue;
-    const auto holds = [&](int b) {
-      return b != kWorld && trees.joint[static_cast<std::size_t>(b)] == static_cast<int>(j);
-    };
+    const auto holds = [&](int b) { return b != kWorld && trees.joint[b] == static_cast<int>(j); };
     if (holds(joint.parent) || holds(joint.child)) continue;
     loops.push_back(static_cast<int>(j));
-    ++parts_[static_cast<std::size_t>(child ? joint.child : joint.parent)];
+    ++parts_[child ? joint.child : joint.parent];
   }
   const auto grow = [&](const auto& self, int from) -> void {
-    for (const int b : trees.children[static_cast<std::size_t>(from)]) {
+    for (const int b : trees.children[from]) {
       Link link;
       link.body = b;
-      link.joint = trees.joint[static_cast<std::size_t>(b)];
+      link.joint = trees.joint[b];
       add_link(link, from, poses);
       self(self, b);
     }
@@ -116,8 +114,8 @@ SkeletonPtr Trees::add_skeleton(const std::string& name) {
 }
 
 Inertia Trees::inertia(int body) const {
-  const Body& it = model_->bodies[static_cast<std::size_t>(body)];
-  const double share = 1.0 / parts_[static_cast<std::size_t>(body)];
+  const Body& it = model_->bodies[body];
+  const double share = 1.0 / parts_[body];
   Inertia out;
   out.setMass(share * it.mass);
   out.setLocalCOM(it.com);
@@ -126,17 +124,16 @@ Inertia Trees::inertia(int body) const {
 }
 
 void Trees::add_static(int body, const Pose& pose) {
-  const std::string& name = model_->bodies[static_cast<std::size_t>(body)].name;
+  const std::string& name = model_->bodies[body].name;
   const SkeletonPtr skeleton = add_skeleton(name);
   WeldJoint::Properties it;
   it.mT_ParentBodyToJoint = to_dart(pose);
-  nodes_[static_cast<std::size_t>(body)] =
-      make<WeldJoint>(skeleton, nullptr, it, name, Inertia()).second;
+  nodes_[body] = make<WeldJoint>(skeleton, nullptr, it, name, Inertia()).second;
   skeleton->setMobile(false);
 }
 
 void Trees::add_free(int body) {
-  const Body& it = model_->bodies[static_cast<std::size_t>(body)];
+  const Body& it = model_->bodies[body];
   const SkeletonPtr skeleton = add_skeleton(it.name);
   Link link;
   link.body = body;
@@ -148,8 +145,8 @@ void Trees::add_free(int body) {
   const auto made =
       make<FreeJoint>(skeleton, nullptr, free, it.name, link.kinematic ? Inertia() : inertia(body));
   link.joints = {made.first};
-  link.node = nodes_[static_cast<std::size_t>(body)] = made.second;
-  body_links_[static_cast<std::size_t>(body)] = static_cast<int>(links_.size());
+  link.node = nodes_[body] = made.second;
+  body_links_[body] = static_cast<int>(links_.size());
   links_.push_back(std::move(link));
 }
 
@@ -159,12 +156,12 @@ void Trees::add_link(Link link, int inboard, const std::vector<Pose>& poses) {
   link.reversed = link.slave ? joint.child != link.body : joint.parent == link.body;
   Isometry inner = to_dart(link.reversed ? joint.X_CM : joint.X_PF);
   const Isometry outer = to_dart(link.reversed ? joint.X_PF : joint.X_CM);
-  BodyNode* parent = inboard == kWorld ? nullptr : nodes_[static_cast<std::size_t>(inboard)];
-  std::string name = model_->bodies[static_cast<std::size_t>(link.body)].name;
+  BodyNode* parent = inboard == kWorld ? nullptr : nodes_[inboard];
+  std::string name = model_->bodies[link.body].name;
   if (link.slave) name += " at " + joint.name;
   SkeletonPtr skeleton;
   if (!parent || !parent->getSkeleton()->isMobile()) {
-    if (parent) inner = to_dart(poses[static_cast<std::size_t>(inboard)]) * inner;
+    if (parent) inner = to_dart(poses[inboard]) * inner;
     parent = nullptr;
     skeleton = add_skeleton(name);
   } else {
@@ -197,24 +194,22 @@ void Trees::add_link(Link link, int inboard, const std::vector<Pose>& poses) {
   }
   const int index = static_cast<int>(links_.size());
   if (!link.slave) {
-    nodes_[static_cast<std::size_t>(link.body)] = link.node;
-    body_links_[static_cast<std::size_t>(link.body)] = index;
+    nodes_[link.body] = link.node;
+    body_links_[link.body] = index;
   }
-  joint_links_[static_cast<std::size_t>(link.joint)] = index;
+  joint_links_[link.joint] = index;
   links_.push_back(std::move(link));
 }
 
 void Trees::close_loop(int j, const std::vector<Pose>& poses) {
-  const cogrsim::Joint& joint = model_->joints[static_cast<std::size_t>(j)];
-  const bool child =
-      joint.child != kWorld &&
-      model_->bodies[static_cast<std::size_t>(joint.child)].kind == BodyKind::dynamic;
+  const cogrsim::Joint& joint = model_->joints[j];
+  const bool child = joint.child != kWorld && model_->bodies[joint.child].kind == BodyKind::dynamic;
   Link link;
   link.body = child ? joint.child : joint.parent;
   link.joint = j;
   link.slave = true;
   add_link(link, child ? joint.parent : joint.child, poses);
-  BodyNode *part = links_.back().node, *whole = nodes_[static_cast<std::size_t>(link.body)];
+  BodyNode *part = links_.back().node, *whole = nodes_[link.body];
   // Where fixed joints hold both together already there is nothing to weld.
   const auto held_by = [](BodyNode* node) {
     while (node && node->getParentJoint()->getNumDofs() == 0) node = node->getParentBodyNode();
@@ -248,8 +243,8 @@ void Trees::set_joint(const Link& link, const double* q, const double* u) const 
     return;
   }
   for (int i = 0; i < speed_count(type); ++i) {
-    link.joints[static_cast<std::size_t>(i)]->setPosition(0, q[i]);
-    link.joints[static_cast<std::size_t>(i)]->setVelocity(0, u[i]);
+    link.joints[i]->setPosition(0, q[i]);
+    link.joints[i]->setVelocity(0, u[i]);
   }
 }
 
@@ -269,8 +264,8 @@ void Trees::get_joint(const Link& link, double* q, double* u) const {
     return;
   }
   for (int i = 0; i < speed_count(type); ++i) {
-    q[i] = link.joints[static_cast<std::size_t>(i)]->getPosition(0);
-    u[i] = link.joints[static_cast<std::size_t>(i)]->getVelocity(0);
+    q[i] = link.joints[i]->getPosition(0);
+    u[i] = link.joints[i]->getVelocity(0);
   }
 }
 
@@ -312,7 +307,7 @@ void Trees::take_impact(const WorldState& seen, const std::vector<int>& bodies) 
     Eigen::VectorXd momentum = Eigen::VectorXd::Zero(Eigen::Index(skeleton->getNumDofs()));
     for (const Link& link : links_) {
       if (link.node->getSkeleton() != skeleton) continue;
-      const Twist& V = seen.twists[static_cast<std::size_t>(link.body)];
+      const Twist& V = seen.twists[link.body];
       const Mat3 R = link.node->getTransform().linear().transpose();
       Eigen::Vector6d in_body;
       in_body << R * V.angular, R * V.linear;

@@ -78,10 +78,10 @@ class Trees {
   const std::vector<std::shared_ptr<LoopWeld>>& welds() const { return welds_; }
   const std::vector<Link>& links() const { return links_; }
   /// Of static bodies, too; nullptr: removed.
-  dart::dynamics::BodyNode* node(int body) const { return nodes_[static_cast<std::size_t>(body)]; }
+  dart::dynamics::BodyNode* node(int body) const { return nodes_[body]; }
   /// -1: none.
-  int link_of_body(int body) const { return body_links_[static_cast<std::size_t>(body)]; }
-  int link_of_joint(int joint) const { return joint_links_[static_cast<std::size_t>(joint)]; }
+  int link_of_body(int body) const { return body_links_[body]; }
+  int link_of_joint(int joint) const { return joint_links_[joint]; }
 
   void set_free(const Link& link, const Pose& X_WB, const Twist& V_WB) const;
   void set_joint(const Link& link, const double* q, const double* u) const;
@@ -102,9 +102,7 @@ class Trees {
   void add_link(Link link, int inboard, const std::vector<Pose>& poses);
   void close_loop(int joint, const std::vector<Pose>& poses);
   dart::dynamics::Inertia inertia(int body) const;
-  const Joint& joint_of(const Link& link) const {
-    return model_->joints[static_cast<std::size_t>(link.joint)];
-  }
+  const Joint& joint_of(const Link& link) const { return model_->joints[link.joint]; }
 
   const SceneModel* model_;
   std::vector<dart::dynamics::SkeletonPtr> skeletons_;

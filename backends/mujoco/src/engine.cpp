@@ -56,7 +56,8 @@ void install_handlers() {
 
 Result<ModelOwner> compile(const std::string& mjcf) {
   if (mj_version() != mjVERSION_HEADER)
-    return fail("built for another MuJoCo than " + std::string(mj_versionString()) + ": build again");
+    return fail("built for another MuJoCo than " + std::string(mj_versionString()) +
+                ": build again");
   const auto files = std::make_unique<mjVFS>();  // 2 MB, too much for a stack
   mj_defaultVFS(files.get());
   char problem[1000] = "";

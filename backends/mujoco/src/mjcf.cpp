@@ -165,8 +165,7 @@ Result<std::string> Writer::geom_form(const Shape& shape, Pose& X) {
     case ShapeType::convex_mesh: {
       const HullFaces hull = hull_faces(*scene_.meshes[shape.mesh], 1000);
       if (hull.vertices.size() < 4) break;
-      Vec3 middle = Vec3::Zero();
-      for (const Vec3& v : hull.vertices) middle += v / static_cast<double>(hull.vertices.size());
+      const Vec3 middle = hull.middle();
       // MuJoCo stores vertices as floats: relative to the middle, where they are rounded least.
       std::string vertices;
       for (const Vec3& v : hull.vertices) vertices += text(Vec3(v - middle)) + ' ';

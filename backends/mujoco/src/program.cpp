@@ -37,7 +37,7 @@ void find_indices(Program& out) {
   const auto written = std::exchange(out.geoms, {});
   out.geoms.resize(written.size());
   for (std::size_t g = 0; g < written.size(); ++g)
-    out.geoms[static_cast<std::size_t>(id(mjOBJ_GEOM, fmt::format("g{}", g)))] = written[g];
+    out.geoms[id(mjOBJ_GEOM, fmt::format("g{}", g))] = written[g];
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     TreeJoint& in_tree = out.joints[j];
     const Joint& joint = scene.joints[j];

@@ -46,8 +46,8 @@ struct Program {
   /// its centre of mass, whose path MuJoCo's integrator has exact.
   std::vector<Vec3> origins;
   std::vector<TreeJoint> joints;
-  std::vector<int> kinematic;  ///< bodies
-  bool other_weights = false;  ///< a body has a gravity_scale
+  std::vector<int> kinematic;              ///< bodies
+  bool other_weights = false;              ///< a body has a gravity_scale
   std::vector<std::pair<int, int>> geoms;  ///< body and shape
   std::vector<int> actuators;              ///< by motor; -1: none
   ImplicitPart implicit = ImplicitPart::joint_damping;

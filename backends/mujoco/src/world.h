@@ -39,9 +39,7 @@ class MujocoWorld final : public HostedWorld {
   void prepare_reading() const override { find_kinematics(Kinematics::now); }
   Pose pose(int body) const override;
   Twist twist(int body) const override;
-  bool has_coordinates(int joint) const override {
-    return program_->joints[static_cast<std::size_t>(joint)].joint >= 0;
-  }
+  bool has_coordinates(int joint) const override { return program_->joints[joint].joint >= 0; }
   bool read_joint(int joint, double* q, double* u) const override;
   Result<> write(const WorldState& state) override;
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override;

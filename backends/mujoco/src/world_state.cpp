@@ -64,8 +64,8 @@ Twist MujocoWorld::twist(int body) const {
 }
 
 bool MujocoWorld::read_joint(int j, double* q, double* u) const {
-  const Joint& joint = program_->scene->joints[static_cast<std::size_t>(j)];
-  const TreeJoint& in_tree = program_->joints[static_cast<std::size_t>(j)];
+  const Joint& joint = program_->scene->joints[j];
+  const TreeJoint& in_tree = program_->joints[j];
   if (in_tree.joint < 0) return false;
   const double *qpos = data_->qpos + in_tree.qpos, *qvel = data_->qvel + in_tree.dof;
   if (joint.type != JointType::ball) {
@@ -125,7 +125,8 @@ void MujocoWorld::put_state(const WorldState& state, std::size_t first) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];
     double q[7];
-    std::copy_n(state.joint_positions.begin() + joint.position_offset, position_count(joint.type), q);
+    std::copy_n(state.joint_positions.begin() + joint.position_offset, position_count(joint.type),
+                q);
     if (j >= first) std::transform(q, q + position_count(joint.type), q, settled);
     put_joint(j, q, state.joint_velocities.data() + joint.speed_offset);
   }

@@ -2,8 +2,7 @@
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
 #include "cogrsim/physics/hosted_backend.h"
-#include "library.h"
-#include "world.h"
+#include "engine.h"
 
 namespace cogrsim::ode {
 
@@ -87,12 +86,13 @@ Capabilities make_capabilities() {
 
 }  // namespace
 
-class OdeBackend final : public HostedBackend<OdeWorld> {
+class OdeBackend final : public HostedBackend<EngineWorld<Engine>> {
  public:
   OdeBackend()
       : HostedBackend(
-            "ode", library_version(COGRSIM_ODE_VERSION, reinterpret_cast<const void*>(&dWorldStep)),
-            make_capabilities(), world_option_table()) {}
+            Engine::kName,
+            library_version(COGRSIM_ODE_VERSION, reinterpret_cast<const void*>(&dWorldStep)),
+            make_capabilities(), Engine::options()) {}
   Provenance provenance(const Parameters& options) const override {
     const std::string& solver = value_of<std::string>(options, "solver");
     Provenance out;

@@ -45,6 +45,7 @@ Twist BodyLink::twist() const {
 }
 
 void BodyLink::set_pose(const Pose& X_WB) {
+  if (!id_) return;
   const Vec3 c = shifted_ ? Vec3(X_WB.p + X_WB.q * com_) : X_WB.p;
   const dQuaternion q = {X_WB.q.w(), X_WB.q.x(), X_WB.q.y(), X_WB.q.z()};
   dBodySetPosition(id_, c.x(), c.y(), c.z());
@@ -52,21 +53,31 @@ void BodyLink::set_pose(const Pose& X_WB) {
 }
 
 void BodyLink::set_twist(const Twist& V_WB) {
+  if (!id_) return;
   const Vec3 v = shifted_ ? V_WB.at(to_quat(q_) * com_) : V_WB.linear;
   dBodySetLinearVel(id_, v.x(), v.y(), v.z());
   dBodySetAngularVel(id_, V_WB.angular.x(), V_WB.angular.y(), V_WB.angular.z());
 }
 
-bool BodyLink::read(Motion& out) const {
+bool BodyLink::is_within_bounds() const {
+  // ODE's quaternions are of unit length or not numbers, as are w's.
+  return !id_ || kBounds.hold(square(p_), square(v_), square(w_));
+}
+
+double BodyLink::spin_squared() const { return id_ ? square(w_) : 0.0; }
+
+Motion BodyLink::motion() const {
+  Motion out;
+  if (!id_) return out;
   std::copy(p_, p_ + 3, out.p.begin());
   std::copy(q_, q_ + 4, out.q.begin());
   std::copy(v_, v_ + 3, out.v.begin());
   std::copy(w_, w_ + 3, out.w.begin());
-  // ODE's quaternions are of unit length or not numbers, as are w's.
-  return kBounds.hold(square(p_), square(v_), square(w_));
+  return out;
 }
 
-void BodyLink::write(const Motion& motion) {
+void BodyLink::set_motion(const Motion& motion) {
+  if (!id_) return;
   dBodySetPosition(id_, motion.p[0], motion.p[1], motion.p[2]);
   std::copy(motion.q.begin(), motion.q.end(), const_cast<dReal*>(q_));
   dQtoR(q_, const_cast<dReal*>(dBodyGetRotation(id_)));

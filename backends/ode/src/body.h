@@ -5,9 +5,8 @@
 
 #include <array>
 
-#include "cogrsim/model/scene_model.h"
-#include "cogrsim/physics/hosted_world.h"
-#include "convert.h"
+#include "cogrsim/physics/engine_world.h"
+#include "library.h"
 
 namespace cogrsim::ode {
 
@@ -25,8 +24,8 @@ struct Motion {
 /// kinematic body at the origin, whose twist is constant.
 class BodyLink {
  public:
-  /// Makes the body at the pose and with the twist of the scene. Throws EngineError where ODE does
-  /// not take its mass.
+  /// Makes the body at the pose and with the twist of the scene. Throws where ODE does not take its
+  /// mass. Without it there is none, and nothing below does anything.
   void create(dWorldID world, const Body& body);
   bool exists() const { return id_ != nullptr; }
   dBodyID id() const { return id_; }
@@ -46,10 +45,12 @@ class BodyLink {
   void set_pose(const Pose& X_WB);
   void set_twist(const Twist& V_WB);
 
-  /// Reads the motion; false: beyond all bounds, or not a number.
-  bool read(Motion& out) const;
-  /// As it was read, bit for bit; ODE's own function would normalise the quaternion again.
-  void write(const Motion& motion);
+  /// Also false of what is not a number.
+  bool is_within_bounds() const;
+  double spin_squared() const;
+  Motion motion() const;
+  /// As it was, bit for bit; ODE's own function would normalise the quaternion again.
+  void set_motion(const Motion& motion);
 
  private:
   Pose from_centre(const Vec3& c, const Quat& q) const {

@@ -5,12 +5,45 @@
 #include <string>
 
 #include "cogrsim/core/constants.h"
-#include "cogrsim/physics/backend_checks.h"
 
 namespace cogrsim::ode {
 
-Engine::Engine(const SceneModelPtr& model, const Parameters& options)
-    : model_(model), options_(options), filter_(*model) {
+// A rotor's inertia over that of the bodies it turns, up to which QuickStep's 20 sweeps hold it: with
+// 100 times a double pendulum is 75 mrad off after 3 s.
+constexpr double kMostRotor = 10.0;
+
+const ParameterTable& Engine::options() {
+  static const ParameterTable table = {
+      parameter("solver", "auto",
+                "step: dWorldStep, Dantzig's method, which costs the cube of a connected group of "
+                "bodies; "
+                "quick: dWorldQuickStep, sweeps; auto: step where the scene has joints, else quick")
+          .one_of({"auto", "step", "quick"}),
+      parameter("iterations", 20, "sweeps of QuickStep (dWorldSetQuickStepNumIterations)")
+          .range(1, 10000),
+      parameter("sor", 1.3, "over-relaxation of QuickStep (dWorldSetQuickStepW)").range(0.01, 2.0),
+      parameter("erp", 0.2, "part of an error of joints and contacts that a step takes away")
+          .range(0.0, 1.0),
+      parameter("cfm", 1e-10, "constraint force mixing of joints and contacts").range(0.0, 1.0),
+      parameter("contact-max-correcting-velocity", 0.0, "m/s",
+                "fastest that contacts push bodies apart that overlap; 0: no bound, as in ODE")
+          .range(0.0, 1e6),
+      parameter("contact-surface-layer", 0.0, "m", "depth to which contacts let bodies sink in")
+          .range(0.0, 1.0),
+      parameter("friction", "pyramid",
+                "pyramid: bound by the load along each of two directions (dContactApprox1); box: "
+                "the coefficient is the largest force [N] along each, whatever the load, as in ODE")
+          .one_of({"pyramid", "box"}),
+  };
+  return table;
+}
+
+Engine::Engine(const SceneModelPtr& model, const Parameters& options, const Engine* old)
+    : model_(model),
+      options_(options),
+      shapes_(old ? old->shapes_ : std::make_shared<ShapeData>()),
+      filter_(*model),
+      surfaces_(model) {
   const auto number = [&](const char* name) { return value_of<double>(options_, name); };
   prepare_thread();
   world_ = dWorldCreate();
@@ -38,7 +71,7 @@ Engine::Engine(const SceneModelPtr& model, const Parameters& options)
   const std::string& solver = value_of<std::string>(options_, "solver");
   quick_ = solver == "quick" || (solver == "auto" && !jointed);
   bodies_.resize(model->bodies.size());
-  add_surfaces();
+  pyramid_ = value_of<std::string>(options_, "friction") == "pyramid";
 }
 
 Engine::~Engine() {
@@ -55,36 +88,14 @@ Engine::~Engine() {
   dThreadingFreeImplementation(threading_);
 }
 
-Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model,
-                                             const std::vector<Pose>& poses, ShapeData& shapes) {
-  const auto options = physics_options(*model, "ode", world_option_table());
-  if (!options) return tl::unexpected(options.error());
-  std::unique_ptr<Engine> out(new Engine(model, *options));
+Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Parameters& options,
+                                             const WorldState& begin, const Engine* old) {
+  std::unique_ptr<Engine> out(new Engine(model, options, old));
   for (std::size_t b = 0; b < model->bodies.size(); ++b) out->add_body(b);
-  const auto end = [&](int b) {
-    JointEnd made;
-    if (b == kWorld) return made;
-    const auto i = static_cast<std::size_t>(b);
-    if (out->bodies_[i].exists()) made.body = &out->bodies_[i];
-    made.start = made.body ? model->bodies[i].X_WB : poses[i];
-    return made;
-  };
-  for (std::size_t j = 0; j < model->joints.size(); ++j) {
-    const Joint& joint = model->joints[j];
-    // From where the scene has them: what a joint is must not depend on when it is made.
-    for (const int b : {joint.parent, joint.child}) {
-      if (b == kWorld || joint.removed) continue;
-      const auto i = static_cast<std::size_t>(b);
-      if (out->bodies_[i].exists()) out->bodies_[i].set_pose(model->bodies[i].X_WB);
-    }
-    const JointEnd nothing;
-    out->joints_.emplace_back(
-        out->world_, *model, static_cast<int>(j), joint.removed ? nothing : end(joint.parent),
-        joint.removed ? nothing : end(joint.child), value_of<double>(*options, "cfm"));
-  }
+  for (std::size_t j = 0; j < model->joints.size(); ++j) out->add_joint(j, begin.poses);
   for (std::size_t b = 0; b < model->bodies.size(); ++b) {
-    if (out->bodies_[b].exists()) out->bodies_[b].set_pose(model->bodies[b].X_WB);
-    if (auto added = out->add_geoms(b, poses[b], shapes); !added)
+    out->bodies_[b].set_pose(model->bodies[b].X_WB);
+    if (auto added = out->add_geoms(b, begin.poses[b]); !added)
       return tl::unexpected(added.error());
   }
   return out;
@@ -100,7 +111,22 @@ void Engine::add_body(std::size_t b) {
   }
 }
 
-Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
+// From where the scene has the bodies: what a joint is must not depend on when it is made.
+void Engine::add_joint(std::size_t j, const std::vector<Pose>& poses) {
+  const Joint& joint = model_->joints[j];
+  const auto end = [&](int b) {
+    JointEnd made;
+    if (b == kWorld || joint.removed) return made;
+    bodies_[b].set_pose(model_->bodies[b].X_WB);
+    if (bodies_[b].exists()) made.body = &bodies_[b];
+    made.start = made.body ? model_->bodies[b].X_WB : poses[b];
+    return made;
+  };
+  joints_.emplace_back(world_, *model_, static_cast<int>(j), end(joint.parent), end(joint.child),
+                       value_of<double>(options_, "cfm"));
+}
+
+Result<> Engine::add_geoms(std::size_t b, const Pose& pose) {
   const Body& body = model_->bodies[b];
   if (body.removed) return {};
   for (std::size_t s = 0; s < body.shapes.size(); ++s) {
@@ -116,7 +142,7 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
     if (shape.type == ShapeType::plane && bodies_[b].exists())
       return fail("shape '" + shape.name + "': a plane cannot be moved",
                   source_position(*model_, shape.origin), "make its body static, or use a box");
-    if (auto made = make_geom(space_, *model_, shape, shapes, geom); !made) return made;
+    if (auto made = make_geom(space_, *model_, shape, *shapes_, geom); !made) return made;
     geom.surface_velocity = shape.X_BS.q * shape.surface_velocity;
     if (!bodies_[b].exists()) geom.surface_velocity = pose.q * geom.surface_velocity;
     dGeomSetData(geom.id, &geom);
@@ -137,51 +163,37 @@ Result<> Engine::add_geoms(std::size_t b, const Pose& pose, ShapeData& shapes) {
   return {};
 }
 
-void Engine::add_surfaces() {
-  const bool pyramid = value_of<std::string>(options_, "friction") == "pyramid";
-  const std::size_t n = model_->materials.size();
-  surfaces_.resize(n * n);
-  stiffness_.resize(n * n);
-  damping_.resize(n * n);
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = 0; b < n; ++b) {
-      const SurfacePair pair = surface_pair(*model_, static_cast<int>(a), static_cast<int>(b));
-      dSurfaceParameters& surface = surfaces_[a * n + b];
-      surface = {};
-      surface.mode = pyramid ? dContactApprox1 : dContactApprox0;
-      surface.mu = pair.friction;
-      if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
-        surface.mode |= dContactRolling | dContactAxisDep;
-        surface.mu2 = pair.friction;
-        surface.rho = surface.rho2 = pair.rolling_friction;
-        surface.rhoN = pair.spinning_friction;
-      }
-      const double e = pair.restitution;
-      if (pair.stiffness) {
-        surface.mode |= dContactSoftERP | dContactSoftCFM;
-        stiffness_[a * n + b] = *pair.stiffness;
-        damping_[a * n + b] = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
-      } else if (e > 0.0) {
-        surface.mode |= dContactBounce;
-        surface.bounce = e;
-        surface.bounce_vel = model_->physics.bounce_threshold;
-      }
+dSurfaceParameters Engine::surface(const Geom& a, const Geom& b) const {
+  const SurfacePair pair = surfaces_(a.material, b.material);
+  const double e = pair.restitution;
+  dSurfaceParameters out{};
+  out.mode = pyramid_ ? dContactApprox1 : dContactApprox0;
+  out.mu = pair.friction;
+  if (pair.rolling_friction > 0.0 || pair.spinning_friction > 0.0) {
+    out.mode |= dContactRolling | dContactAxisDep;
+    out.mu2 = pair.friction;
+    out.rho = out.rho2 = pair.rolling_friction;
+    out.rhoN = pair.spinning_friction;
+  }
+  if (pair.stiffness) {
+    // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
+    const double ratio = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
+    double mobility = 0.0;  // [1/kg]
+    for (const dBodyID body : {a.holder, b.holder}) {
+      dMass mass{};
+      if (body) dBodyGetMass(body, &mass);
+      if (body && !dBodyIsKinematic(body)) mobility += 1.0 / mass.mass;
     }
+    const double k = *pair.stiffness, d = 2.0 * ratio * std::sqrt(k / mobility);
+    out.mode |= dContactSoftERP | dContactSoftCFM;
+    out.soft_erp = h_ * k / (h_ * k + d);
+    out.soft_cfm = 1.0 / (h_ * k + d);
+  } else if (e > 0.0) {
+    out.mode |= dContactBounce;
+    out.bounce = e;
+    out.bounce_vel = model_->physics.bounce_threshold;
   }
-}
-
-void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a,
-                    const Geom& b) const {
-  // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
-  double mobility = 0.0;  // [1/kg]
-  for (const dBodyID body : {a.holder, b.holder}) {
-    dMass mass{};
-    if (body) dBodyGetMass(body, &mass);
-    if (body && !dBodyIsKinematic(body)) mobility += 1.0 / mass.mass;
-  }
-  const double k = stiffness_[pair], d = 2.0 * damping_[pair] * std::sqrt(k / mobility);
-  surface.soft_erp = h_ * k / (h_ * k + d);
-  surface.soft_cfm = 1.0 / (h_ * k + d);
+  return out;
 }
 
 // Directions of friction along and across what the surfaces move; ODE aims at a velocity of the body
@@ -189,9 +201,7 @@ void Engine::soften(dSurfaceParameters& surface, std::size_t pair, const Geom& a
 void Engine::set_motion(dContact& contact, const Geom& a, const Geom& b) {
   const auto world = [](const Geom& geom) -> Vec3 {
     if (!geom.holder || geom.surface_velocity.isZero(0.0)) return geom.surface_velocity;
-    const double* const R = dBodyGetRotation(geom.holder);  // rows of four
-    return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(R).leftCols<3>() *
-           geom.surface_velocity;
+    return to_mat(dBodyGetRotation(geom.holder)) * geom.surface_velocity;
   };
   Vec3 along = a.holder ? Vec3(world(b) - world(a)) : Vec3(world(a) - world(b));
   const Vec3 n = to_vec(contact.geom.normal);
@@ -213,15 +223,13 @@ void Engine::near(const Geom& a, const Geom& b) {
   constexpr int kMost = 32;
   dContact found[kMost];
   const int count = dCollide(a.id, b.id, kMost, &found[0].geom, static_cast<int>(sizeof(dContact)));
-  const std::size_t pair = static_cast<std::size_t>(a.material) * model_->materials.size() +
-                           static_cast<std::size_t>(b.material);
+  const dSurfaceParameters of_pair = count > 0 ? surface(a, b) : dSurfaceParameters();
   for (int i = 0; i < count; ++i) {
     dContact& contact = found[i];
     // Without a direction no contact can be made: libccd gives none where two just touch.
     if (contact.geom.normal[0] == 0 && contact.geom.normal[1] == 0 && contact.geom.normal[2] == 0)
       continue;
-    contact.surface = surfaces_[pair];
-    if (stiffness_[pair] > 0.0) soften(contact.surface, pair, a, b);
+    contact.surface = of_pair;
     set_motion(contact, a, b);
     const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
     dJointAttach(joint, a.holder, b.holder);
@@ -236,53 +244,130 @@ void Engine::near(const Geom& a, const Geom& b) {
   }
 }
 
-void Engine::step(double h, unsigned long& seed) {
-  h_ = h;
+void Engine::step(const StepInput& input) {
+  prepare_thread();
+  before_ = motions();
+  if (find_lost() >= 0) return;
+  for (JointLink& link : joints_) link.drive(input);
+  for (std::size_t b = 0; b < input.external.size(); ++b) bodies_[b].push(input.external[b]);
+  h_ = input.dt;
   touched_ = 0;
   broken_off_ = true;
   for (const auto& [body, force] : lifts_) dBodyAddForce(body, force.x(), force.y(), force.z());
   dSpaceCollide(space_, this, &Engine::near);
-  if (is_iterative()) {
-    quick_step(world_, h, seed);
+  if (quick_) {
+    quick_step(world_, h_, seed_);
   } else {
-    dWorldStep(world_, h);
+    dWorldStep(world_, h_);
   }
   dJointGroupEmpty(contacts_);
   broken_off_ = false;
 }
 
-void Engine::report(std::vector<Contact>& out) const {
+int Engine::find_lost() const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (!bodies_[b].is_within_bounds()) return static_cast<int>(b);
+  return -1;
+}
+
+void Engine::read_contacts(std::vector<Contact>& out) const {
   for (std::size_t i = 0; i < touched_; ++i) {
     const Touch& found = touch(i);
     const Geom &first = *found.first, &second = *found.second;
     // ODE's normal points into its first geom; the force is on the body that it calls its first,
     // the second where the first geom has none.
     const Vec3 force = to_vec(found.feedback.f1);
-    Contact& contact = out.emplace_back();
-    contact.body_a = second.body;
-    contact.body_b = first.body;
-    contact.shape_a = second.shape;
-    contact.shape_b = first.shape;
-    contact.point = found.point;
-    contact.depth = found.depth;
-    contact.normal = found.normal;
-    contact.force = first.holder ? force : Vec3(-force);
+    out.push_back({second.body, first.body, second.shape, first.shape, found.point, found.normal,
+                   found.depth, first.holder ? force : Vec3(-force)});
   }
 }
 
-std::vector<int> Engine::order() const {
-  std::vector<int> out(geoms_.size());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const dGeomID id = dSpaceGetGeom(space_, static_cast<int>(i));
-    out[i] = static_cast<const Geom*>(dGeomGetData(id))->index;
+void Engine::read_efforts(std::vector<double>& joints, std::vector<double>& motors) const {
+  Wrench unused;
+  for (const JointLink& link : joints_)
+    link.report(h_, {joints.data() + link.joint().speed_offset, motors.data(), &unused});
+}
+
+void Engine::read_reactions(std::vector<Wrench>& out) const {
+  std::vector<double> joints(model_->joint_speeds), motors(model_->motors.size());
+  for (const JointLink& link : joints_)
+    link.report(h_, {joints.data() + link.joint().speed_offset, motors.data(), &out[link.index()]});
+}
+
+double Engine::fastest_spin() const {
+  double square = 0.0;
+  for (const BodyLink& body : bodies_) square = std::max(square, body.spin_squared());
+  return std::sqrt(square);
+}
+
+void Engine::write(const WorldState& state) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].set_pose(state.poses[b]);
+    bodies_[b].set_twist(state.twists[b]);
   }
+  touched_ = 0;
+}
+
+std::vector<Motion> Engine::motions() const {
+  std::vector<Motion> out;
+  for (const BodyLink& body : bodies_) out.push_back(body.motion());
   return out;
 }
 
-void Engine::set_order(const std::vector<int>& order) {
+void Engine::set_motions(const std::vector<Motion>& motions) {
+  for (std::size_t b = 0; b < motions.size(); ++b) bodies_[b].set_motion(motions[b]);
+}
+
+void Engine::take_over(const Engine& old, const WorldState& begin, const SceneChange& change) {
+  set_motions(old.motions());
+  for (const int b : change.kinds) {
+    bodies_[b].set_pose(begin.poses[b]);
+    bodies_[b].set_twist({});
+  }
+  seed_ = old.seed_;
+}
+
+/// `order`: of geoms in ODE's space, which decides the order of contacts and with it the last digits;
+/// none where ODE was broken off.
+struct Engine::Memory final : HostedMemory {
+  unsigned long seed = 0;
+  std::vector<Motion> motions;
+  double h = 0.0;
+  std::vector<int> order;
+};
+
+bool Engine::undo() {
+  undone_ = true;
+  return false;
+}
+
+std::shared_ptr<const HostedMemory> Engine::save() const {
+  auto out = std::make_shared<Memory>();
+  out->seed = seed_;
+  out->h = h_;
+  out->motions = undone_ ? before_ : motions();
+  for (int i = 0; !undone_ && i < dSpaceGetNumGeoms(space_); ++i)
+    out->order.push_back(static_cast<const Geom*>(dGeomGetData(dSpaceGetGeom(space_, i)))->index);
+  return out;
+}
+
+void Engine::restore(const HostedMemory& memory) {
+  const auto& saved = static_cast<const Memory&>(memory);
+  seed_ = saved.seed;
+  h_ = saved.h;
+  set_motions(saved.motions);
+  touched_ = 0;
   // ODE puts what is added in front.
-  for (const Geom& geom : geoms_) dSpaceRemove(space_, geom.id);
-  for (auto i = order.rbegin(); i != order.rend(); ++i) dSpaceAdd(space_, geoms_[*i].id);
+  for (const int i : saved.order) dSpaceRemove(space_, geoms_[i].id);
+  for (auto i = saved.order.rbegin(); i != saved.order.rend(); ++i)
+    dSpaceAdd(space_, geoms_[*i].id);
+}
+
+std::vector<Diagnostic> Engine::warnings() const {
+  if (!quick_) return {};
+  std::vector<std::vector<double>> ratios;
+  for (const JointLink& link : joints_) ratios.push_back(link.rotor_ratios());
+  return rotor_warnings(*model_, kName, ratios, kMostRotor);
 }
 
 }  // namespace cogrsim::ode

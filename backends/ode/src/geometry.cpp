@@ -5,7 +5,7 @@
 
 #include "cogrsim/geometry/hull_faces.h"
 #include "cogrsim/geometry/triangles.h"
-#include "convert.h"
+#include "library.h"
 
 namespace cogrsim::ode {
 
@@ -13,19 +13,10 @@ namespace {
 
 constexpr std::size_t kMostCorners = 32;
 
-void copy_mesh(const TriangleMesh& mesh, Triangles& out) {
-  for (const Vec3& v : mesh.vertices)
-    out.vertices.insert(out.vertices.end(), v.data(), v.data() + 3);
-  for (const auto& t : mesh.triangles) {
-    for (int i = 0; i < 3; ++i) out.triangles.push_back(static_cast<dTriIndex>(t[i]));
-  }
-}
-
 std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
   auto out = std::make_shared<Hull>();
   // ODE wants the origin inside.
-  for (const Vec3& v : faces.vertices)
-    out->middle += v / static_cast<double>(faces.vertices.size());
+  out->middle = faces.middle();
   for (const Vec3& v : faces.vertices) {
     const Vec3 p = v - out->middle;
     out->points.insert(out->points.end(), p.data(), p.data() + 3);
@@ -59,24 +50,25 @@ std::shared_ptr<Hull> hull_of(const HullFaces& faces) {
 
 }  // namespace
 
+static_assert(sizeof(dTriIndex) == sizeof(int) && sizeof(Vec3) == 3 * sizeof(double));
+
+Triangles::Triangles(MeshPtr of) : mesh(std::move(of)), data(dGeomTriMeshDataCreate()) {
+  dGeomTriMeshDataBuildDouble(data, mesh->vertices.data(), sizeof(Vec3),
+                              static_cast<int>(mesh->vertices.size()), mesh->triangles.data(),
+                              static_cast<int>(3 * mesh->triangles.size()), 3 * sizeof(dTriIndex));
+  // Convex meshes are tested against triangles only with the angles between them.
+  dGeomTriMeshDataPreprocess2(data, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
+}
+
 const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
                                                        const Shape& shape) {
   const bool is_mesh = shape.type == ShapeType::mesh;
   auto& made = is_mesh ? meshes_[shape.mesh] : heightmaps_[shape.heightmap];
-  if (made) return made;
-  auto out = std::make_shared<Triangles>();
-  if (is_mesh) {
-    copy_mesh(*model.meshes[shape.mesh], *out);
-  } else {
-    copy_mesh(geometry::triangles_of(*model.heightmaps[shape.heightmap]), *out);
-  }
-  out->data = dGeomTriMeshDataCreate();
-  dGeomTriMeshDataBuildDouble(out->data, out->vertices.data(), 3 * sizeof(double),
-                              static_cast<int>(out->vertices.size() / 3), out->triangles.data(),
-                              static_cast<int>(out->triangles.size()), 3 * sizeof(dTriIndex));
-  // Convex meshes are tested against triangles only with the angles between them.
-  dGeomTriMeshDataPreprocess2(out->data, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
-  made = std::move(out);
+  if (!made)
+    made = std::make_shared<Triangles>(
+        is_mesh ? model.meshes[shape.mesh]
+                : std::make_shared<const TriangleMesh>(
+                      geometry::triangles_of(*model.heightmaps[shape.heightmap])));
   return made;
 }
 

@@ -12,17 +12,14 @@
 
 namespace cogrsim::ode {
 
-/// Triangles in ODE's form, with the tree that it builds over them. ODE keeps pointers into it.
+/// Triangles with the tree that ODE builds over them, which keeps pointers into the mesh.
 struct Triangles {
-  Triangles() = default;
-  ~Triangles() {
-    if (data) dGeomTriMeshDataDestroy(data);
-  }
+  explicit Triangles(MeshPtr of);
+  ~Triangles() { dGeomTriMeshDataDestroy(data); }
   Triangles(const Triangles&) = delete;
   Triangles& operator=(const Triangles&) = delete;
-  std::vector<double> vertices;
-  std::vector<dTriIndex> triangles;
-  dTriMeshDataID data = nullptr;
+  MeshPtr mesh;
+  dTriMeshDataID data;
 };
 
 /// Planes, points and polygons of dCreateConvex, about a point inside the hull. Likewise.

@@ -7,7 +7,7 @@
 
 #include "cogrsim/core/constants.h"
 #include "cogrsim/model/joint_kinematics.h"
-#include "cogrsim/physics/backend_checks.h"
+#include "cogrsim/physics/axis_laws.h"
 
 namespace cogrsim::ode {
 
@@ -245,11 +245,7 @@ void JointLink::add_laws(dWorldID world, const SceneModel& model, int joint, con
     const auto add = [&]() -> Law& {
       return add_law(world, i, std::exchange(own, false), direction(i, X_WF, X_WM));
     };
-    for (std::size_t m = 0; m < model.motors.size(); ++m) {
-      const Motor& motor = model.motors[m];
-      if (motor.removed || motor.joint != joint || motor.axis != i) continue;
-      add().drive = static_cast<int>(m);
-    }
+    for (const int motor : motors_of(model, joint, i)) add().drive = motor;
     if (axis.friction > 0.0) set(add(), 0.0, axis.friction, cfm_);
     if (axis.damping > 0.0) set(add(), 0.0, dInfinity, 1.0 / axis.damping);
     if (axis.rotor_inertia > 0.0) add().rotor = has_rotor_ = true;
@@ -273,20 +269,14 @@ void JointLink::set(Law& law, double velocity, double bound, double cfm) const {
   set_param(law.id, dParamCFM + law.group, cfm);
 }
 
-void JointLink::set(Law& law, const Drive& drive, double h, const Position& position) const {
+void JointLink::set(Law& law, const Drive& drive, const StepInput& input) const {
   if (drive.is_speed_source()) return set(law, drive.velocity, drive.max_effort, cfm_);
-  // effort = bias + kp (position - q1) + kd (velocity - u1) with q1 = q + h u1 is, solved for u1,
-  // u1 = v - cfm effort, which is ODE's motor with
-  //   cfm = 1 / (kd + h kp),  v = cfm (bias + kp (position - q) + kd velocity)
-  const double stiff = drive.kd + h * drive.kp;
-  if (stiff <= 0.0) {
-    set(law, 0.0, 0.0, cfm_);
-    law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
-    return push(law.speed, law.applied);
-  }
-  const double away = drive.kp > 0.0 ? drive.position - position()[law.speed] : 0.0;
-  set(law, (drive.bias + drive.kp * away + drive.kd * drive.velocity) / stiff, drive.max_effort,
-      1.0 / stiff);
+  const double q = drive.kp > 0.0 ? input.coordinates(index_)[law.speed] : 0.0;
+  const SoftSource soft = at_end_of_step(drive, input.dt, q);
+  if (soft.gain > 0.0) return set(law, soft.speed(), drive.max_effort, 1.0 / soft.gain);
+  set(law, 0.0, 0.0, cfm_);
+  law.applied = std::clamp(drive.bias, -drive.max_effort, drive.max_effort);
+  push(law.speed, law.applied);
 }
 
 void JointLink::push(int speed, double effort) const {
@@ -327,26 +317,25 @@ void JointLink::set_wide_stops(const double* q) const {
   }
 }
 
-void JointLink::drive(double h, const std::vector<Drive>& drives,
-                      const std::vector<double>& efforts, const Position& position) {
+void JointLink::drive(const StepInput& input) {
   double u[6];
   if (!id_) return;
-  if (wide_) set_wide_stops(position());
-  if (has_rotor_) velocities(position(), u);
+  if (wide_) set_wide_stops(input.coordinates(index_));
+  if (has_rotor_) velocities(input.coordinates(index_), u);
   for (Law& law : laws_) {
     law.applied = 0.0;
     const JointAxis& axis = axis_of_speed(*joint_, law.speed);
     if (law.drive >= 0) {
-      set(law, drives[law.drive], h, position);
+      set(law, input.drives[law.drive], input);
     } else if (law.rotor) {
-      set(law, u[law.speed], dInfinity, h / axis.rotor_inertia);
+      set(law, u[law.speed], dInfinity, input.dt / axis.rotor_inertia);
     } else if (law.spring) {
-      law.applied = axis.stiffness * (axis.rest - position()[law.speed]);
+      law.applied = axis.stiffness * (axis.rest - input.coordinates(index_)[law.speed]);
       push(law.speed, law.applied);
     }
   }
-  for (int i = 0; !efforts.empty() && i < speed_count(joint_->type); ++i) {
-    pushed_[i] = efforts[joint_->speed_offset + i];
+  for (int i = 0; !input.efforts.empty() && i < speed_count(joint_->type); ++i) {
+    pushed_[i] = input.efforts[joint_->speed_offset + i];
     push(i, pushed_[i]);
   }
 }
@@ -359,9 +348,7 @@ double JointLink::mobility(int speed) const {
     dMass mass;
     dBodyGetMass(end->id(), &mass);
     const Vec3 local = end->pose().q.conjugate() * d;
-    const Mat3 I =
-        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mass.I).leftCols<3>();
-    out += turns(speed) ? local.dot(I.inverse() * local) : 1.0 / mass.mass;
+    out += turns(speed) ? local.dot(to_mat(mass.I).inverse() * local) : 1.0 / mass.mass;
   }
   return out;
 }
@@ -408,11 +395,12 @@ void JointLink::report(double h, const JointReport& out) const {
   if (!has_motors(joint_->type)) return;
   // Along an axis the joint itself transmits its stops and its own motor.
   for (int i = 0; i < speed_count(joint_->type); ++i) out.joint_efforts[i] = along(main, i);
-  for (int i = 0; i < speed_count(joint_->type); ++i) {
-    if (pushed_[i] == 0.0) continue;
-    const Vec3 e = pushed_[i] * direction(i, X_WF, X_WM);
-    (turns(i) ? out.reaction->torque : out.reaction->force) += e;
-  }
+  const auto add_explicit = [&](int speed, double effort) {
+    if (effort == 0.0) return;
+    const Vec3 e = effort * direction(speed, X_WF, X_WM);
+    (turns(speed) ? out.reaction->torque : out.reaction->force) += e;
+  };
+  for (int i = 0; i < speed_count(joint_->type); ++i) add_explicit(i, pushed_[i]);
   for (const Law& law : laws_) {
     double effort = law.applied;
     if (law.rotor) {  // inertia is not an effort of the joint's
@@ -420,12 +408,9 @@ void JointLink::report(double h, const JointReport& out) const {
               : void(on_child(law.feedback));
       continue;
     }
-    if (effort != 0.0) {
-      const Vec3 e = effort * direction(law.speed, X_WF, X_WM);
-      (turns(law.speed) ? out.reaction->torque : out.reaction->force) += e;
-    } else if (law.motor[1] > 0.0 && !law.own) {
+    add_explicit(law.speed, effort);
+    if (effort == 0.0 && law.motor[1] > 0.0 && !law.own)
       effort = along(on_child(law.feedback), law.speed);
-    }
     out.joint_efforts[law.speed] += effort;
     if (law.drive < 0) continue;
     out.motor_efforts[law.drive] = law.own && law.motor[1] > 0.0 ? along(main, law.speed) : effort;

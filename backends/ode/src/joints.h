@@ -5,12 +5,9 @@
 
 #include <array>
 #include <deque>
-#include <functional>
 #include <vector>
 
 #include "body.h"
-#include "cogrsim/core/result.h"
-#include "cogrsim/physics/drive.h"
 
 namespace cogrsim::ode {
 
@@ -40,12 +37,9 @@ class JointLink {
 
   const Joint& joint() const { return *joint_; }
   int index() const { return index_; }
-  /// Sets the motors for the next step of `h` and adds what no motor carries to the bodies' forces, and
-  /// `efforts` along the scene's speeds if there are any. `position` gives the joint's coordinates now,
-  /// turns counted, and is asked where a law needs them.
-  using Position = std::function<const double*()>;
-  void drive(double h, const std::vector<Drive>& drives, const std::vector<double>& efforts,
-             const Position& position);
+  /// Sets the motors for the next step and adds what no motor carries to the bodies' forces. Coordinates
+  /// are asked for where a law needs them.
+  void drive(const StepInput& input);
   /// By axis: the rotor's inertia over that of the two bodies alone.
   std::vector<double> rotor_ratios() const;
   /// Of the two bodies alone along a speed [1/(kg m^2)], [1/kg].
@@ -81,7 +75,7 @@ class JointLink {
   /// Direction of a speed, given F and M.
   Vec3 direction(int speed, const Pose& X_WF, const Pose& X_WM) const;
   void set(Law& law, double velocity, double bound, double cfm) const;
-  void set(Law& law, const Drive& drive, double h, const Position& position) const;
+  void set(Law& law, const Drive& drive, const StepInput& input) const;
   void velocities(const double* q, double* u) const;
   void push(int speed, double effort) const;
   double stop_angle(int axis) const;

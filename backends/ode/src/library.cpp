@@ -6,6 +6,8 @@
 #include <cstring>
 #include <mutex>
 #include <new>
+#include <stdexcept>
+#include <string>
 
 namespace cogrsim::ode {
 
@@ -14,7 +16,7 @@ namespace {
 void throw_error(int number, const char* format, va_list arguments) {
   char text[400];
   std::vsnprintf(text, sizeof text, format, arguments);
-  throw EngineError("ODE error " + std::to_string(number) + ": " + text);
+  throw std::runtime_error("error " + std::to_string(number) + ": " + text);
 }
 
 // What ODE would print and then continue after: of an LCP that is singular, for one.
@@ -61,9 +63,9 @@ struct Library {
 
 void prepare_thread() {
   static const Library library;
-  if (!library.ready) throw EngineError("ODE cannot be initialised");
+  if (!library.ready) throw std::runtime_error("it cannot be initialised");
   thread_local const ThreadData data;
-  if (!data.ready) throw EngineError("ODE has no memory for another thread");
+  if (!data.ready) throw std::runtime_error("it has no memory for another thread");
 }
 
 void quick_step(dWorldID world, double dt, unsigned long& seed) {

@@ -4,7 +4,7 @@
 #include <new>
 #include <string>
 
-#include "world.h"
+#include "engine.h"
 
 #include "cogrsim/physics/backend_checks.h"
 #include "cogrsim/physics/backend_plugin.h"
@@ -68,10 +68,10 @@ std::string find_version() {
          (build > 0 ? "." + std::to_string(build) : std::string());
 }
 
-class SimbodyBackend final : public HostedBackend<SimbodyWorld> {
+class SimbodyBackend final : public HostedBackend<EngineWorld<Engine>> {
  public:
   SimbodyBackend()
-      : HostedBackend("simbody", find_version(), make_capabilities(), world_option_table()) {
+      : HostedBackend(Engine::kName, find_version(), make_capabilities(), Engine::options()) {
     // Bullet's distance queries do not look whether malloc gave them memory. It keeps these for the
     // whole process, so they must be functions that are never unloaded.
     btAlignedAllocSetCustom(static_cast<void* (*)(std::size_t)>(::operator new),

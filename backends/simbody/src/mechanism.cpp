@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "cogrsim/physics/backend_checks.h"
@@ -136,24 +135,13 @@ void Mechanism::plan() {
   graph.addBody("ground", 0.0, false);
 
   // Of a connected set of bodies without a joint to the ground, the first one moves freely.
+  const std::vector<int> bases = joint_trees(*model_).floating;
   const int count = int(model_->bodies.size());
-  std::vector<int> root(model_->bodies.size() + 1);  // the last: all that no force moves
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[i] != i) i = root[i];
-    return i;
-  };
-  for (const Joint& joint : model_->joints) {
-    if (joint.removed || joint.closes_loop) continue;
-    const int a = find(is_dynamic(joint.parent) ? joint.parent : count);
-    const int b = find(is_dynamic(joint.child) ? joint.child : count);
-    const bool held = a == count || b == count;
-    root[held ? std::min(a, b) : std::max(a, b)] = held ? count : std::min(a, b);
-  }
   for (int b = 0; b < count; ++b) {
     const Body& body = model_->bodies[b];
     if (body.removed || body.kind == BodyKind::static_body) continue;
-    const bool base = body.kind == BodyKind::kinematic || find(b) == b;
+    const bool base =
+        body.kind == BodyKind::kinematic || std::find(bases.begin(), bases.end(), b) != bases.end();
     graph.addBody(body_name(b), base && body.kind == BodyKind::kinematic ? 1.0 : body.mass, base,
                   const_cast<Body*>(&body));
   }

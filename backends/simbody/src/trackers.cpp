@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
-#include <tuple>
 
 namespace cogrsim::simbody {
 
@@ -128,16 +127,10 @@ void TrackerContact::read(const SimTK::State& state, std::vector<Contact>& out) 
     const auto one = by_surface.at(pair.getSurface1()), two = by_surface.at(pair.getSurface2());
     for (int k = 0; k < patch.getNumDetails(); ++k) {
       const SimTK::ContactDetail& detail = patch.getContactDetail(k);
-      Contact contact;
-      const bool swapped = one.first > two.first;
-      std::tie(contact.body_a, contact.shape_a) = swapped ? two : one;
-      std::tie(contact.body_b, contact.shape_b) = swapped ? one : two;
-      const double sign = swapped ? -1.0 : 1.0;
-      contact.point = from_simtk(detail.getContactPoint());
-      contact.normal = sign * from_simtk(SimTK::Vec3(detail.getContactNormal()));
-      contact.depth = detail.getDeformation();
-      contact.force = sign * from_simtk(detail.getForceOnSurface2());
-      out.push_back(contact);
+      out.push_back({one.first, two.first, one.second, two.second,
+                     from_simtk(detail.getContactPoint()),
+                     from_simtk(SimTK::Vec3(detail.getContactNormal())), detail.getDeformation(),
+                     from_simtk(detail.getForceOnSurface2())});
     }
   }
 }

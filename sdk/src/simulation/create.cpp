@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/physics/backend_choice.h"
+#include "cogrsim/physics/default_backend.h"
 #include "cogrsim/physics/warnings.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
@@ -30,8 +31,6 @@ const char* to_string(RunStatus status) {
 }
 
 namespace {
-
-constexpr const char* kDefaultBackend = "cogrsim";
 
 // Applies the options that the run overrides, and completes the engine-specific options.
 tl::expected<SceneModelPtr, std::vector<Diagnostic>> settled_model(const SceneModel& scene,

@@ -16,6 +16,13 @@ struct HullFaces {
   std::vector<Vec3> normals;   ///< one outward unit normal per face
   /// For each face the indices of its corners, counter-clockwise seen from outside.
   std::vector<std::vector<int>> corners;
+
+  /// Mean of the corners: a point inside.
+  Vec3 middle() const {
+    Vec3 out = Vec3::Zero();
+    for (const Vec3& v : vertices) out += v / static_cast<double>(vertices.size());
+    return out;
+  }
 };
 
 /// Computes the faces of the convex hull of a mesh; the face of the largest triangle comes first. A

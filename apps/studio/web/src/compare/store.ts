@@ -2,6 +2,7 @@
 import { computed, effect, signal } from "@preact/signals-core";
 import { isClosed, messageOf } from "../core/link";
 import type { Studio } from "../core/studio";
+import { orWithout } from "../control/leave_out";
 import type { Divergence } from "./divergence";
 
 /** [ms] between two looks; more when answers take their time. */
@@ -48,14 +49,11 @@ export class CompareStore {
   /** Runs the scene on `backend` beside the present one, both from time 0; null: with another `step` [s]. */
   async compare(what: { backend: string } | { step: number }): Promise<void> {
     this.busy.value = true;
-    try {
-      await this.studio.link.request("compare", { backend: null, step: null, ...what });
-      this.studio.openPanel("compare");
-    } catch (error) {
-      this.studio.notify(messageOf(error), "error");
-    } finally {
-      this.busy.value = false;
-    }
+    const asked = await orWithout(this.studio, "backend" in what ? what.backend : "", (without) =>
+      this.studio.link.request("compare", { backend: null, step: null, ...what, without }),
+    );
+    if (asked) this.studio.openPanel("compare");
+    this.busy.value = false;
   }
   async off(): Promise<void> {
     try {

@@ -5,6 +5,7 @@ import { useRef, useState } from "preact/hooks";
 import { kSpeeds, speedText, type Control } from "./commands";
 import "./control.css";
 import { icons, type IconName } from "./icons";
+import { isRefused, leftOutByEngine, leftOutText } from "./leave_out";
 import { readStep, recorded, stepHint, stepText } from "./rules";
 
 interface ToolProps {
@@ -137,29 +138,55 @@ function Backend({ control }: { control: Control }) {
   const present = status.value?.backend ?? "";
   const names = hello.value?.backends ?? [];
   const all = names.includes(present) || !present ? names : [present, ...names];
+  const leftOut = leftOutByEngine(control.studio);
+  const features = leftOut.flatMap(({ all }) => all.map(({ feature }) => feature));
   return (
-    <label>
-      Backend{" "}
-      <select
-        disabled={reason !== null}
-        title={reason ?? "The run continues there from its present state"}
-        data-testid="backend"
-        value={present}
-        onChange={(event) => {
-          const select = event.currentTarget;
-          const name = select.value;
-          // shows the present backend until the run reports another
-          select.value = present;
-          void control.setBackend(name);
-        }}
-      >
-        {all.map((name) => (
-          <option key={name} value={name}>
-            {name}
-          </option>
-        ))}
-      </select>
-    </label>
+    <span class="cg-group">
+      <label>
+        Backend{" "}
+        <select
+          disabled={reason !== null}
+          title={reason ?? "The run continues there from its present state"}
+          data-testid="backend"
+          value={present}
+          onChange={(event) => {
+            const select = event.currentTarget;
+            const name = select.value;
+            // shows the present backend until the run reports another
+            select.value = present;
+            void control.setBackend(name);
+          }}
+        >
+          {all.map((name) => (
+            <option key={name} value={name}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {features.length > 0 && (
+        <button
+          class="cg-without"
+          title={leftOut.map(({ engine, all }) => `${engine} runs without ${leftOutText(all)}`).join("; ")}
+          data-testid="left-out"
+          disabled={reason !== null}
+          onClick={() => void control.showLeftOut()}
+        >
+          without {features[0]}
+          {features.length > 1 ? ` and ${features.length - 1} more` : ""}
+        </button>
+      )}
+      {reason === null && isRefused(control.studio) && (
+        <button
+          class="cg-without"
+          title="The engine refuses the scene: run it without what the engine lacks"
+          data-testid="leave-out"
+          onClick={() => void control.leaveOut()}
+        >
+          Leave out what it lacks…
+        </button>
+      )}
+    </span>
   );
 }
 

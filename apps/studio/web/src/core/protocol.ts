@@ -14,6 +14,7 @@ import type {
   FirstDivergence,
   Goodbye,
   KeptController,
+  LeftOut,
   Messages,
   Op,
   PathPart,
@@ -146,14 +147,30 @@ export interface Requests {
     };
     answer: Record<string, never>;
   };
-  /** the run continues there, from the same state */
+  /** the run continues there, from the same state; so does a scene that the engine before refused */
   backend: {
     fields: {
       name: string;
+      /** what the scene is without from now on, on this engine and others, as after `cogrsim run --without`; null: as before */
+      without?: string[] | null;
     };
     answer: {
       /** what could not be carried over */
       notes: string[];
+    };
+  };
+  /** what an engine lacks of the scene, the newest one that compiled */
+  lacking: {
+    fields: {
+      /** of a backend; "": the scene's */
+      name: string;
+    };
+    answer: {
+      name: string;
+      /** what it lacks of the scene and can be left out */
+      left_out: LeftOut[];
+      /** what it lacks and cannot: messages */
+      needed: string[];
     };
   };
   /** only while paused, and not while comparing: replaces the controllers' running libraries by those on disk now */
@@ -228,6 +245,8 @@ export interface Requests {
       backend?: string | null;
       /** [s]; null: the same */
       step?: number | null;
+      /** of both, as in `backend` */
+      without?: string[] | null;
     };
     answer: Record<string, never>;
   };

@@ -55,6 +55,8 @@ export interface Comparison {
   labels: [string, string];
   /** [s] */
   first_over: number | null;
+  /** of the second run; missing in bundles */
+  left_out?: LeftOut[];
 }
 
 /** A plugin that has not returned for half a second, while the run stands */

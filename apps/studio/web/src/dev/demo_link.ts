@@ -196,6 +196,8 @@ export class DemoLink extends MemoryLink {
         this.backend = String(fields.name);
         this.changed();
         return { notes: ["contacts are solved again"] };
+      case "lacking":
+        return { name: String(fields.name), left_out: [], needed: [] };
       case "record":
         this.recording = fields.on ? String(fields.file ?? "demo.mcap") : null;
         this.changed();

@@ -3,6 +3,7 @@ import { computed, effect, signal } from "@preact/signals-core";
 import { isClosed, messageOf, RequestError } from "../core/link";
 import type { SceneTest } from "../core/protocol";
 import type { Studio } from "../core/studio";
+import { orWithout } from "../control/leave_out";
 import { bodiesOf } from "../view3d/selecting";
 import { poseAt } from "../view3d/pose";
 import { kTolerance, runsOf, seenOf, testXml, type Seen, type TestResult } from "./write";
@@ -158,7 +159,10 @@ export class TestStore {
         if (status.state === "playing") await link.request("pause");
         if (status.backend !== backend || status.state === "ended") {
           await link.request("stop");
-          if (status.backend !== backend) await link.request("backend", { name: backend });
+          if (status.backend !== backend) {
+            const ask = (without: string[] | null) => link.request("backend", { name: backend, without });
+            if (!(await orWithout(this.studio, backend, ask))) return;
+          }
         }
         await link.request("live");
         const begun = status.backend === backend && status.state !== "ended" ? status.time : 0;

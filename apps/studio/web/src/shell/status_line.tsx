@@ -1,6 +1,7 @@
 // The line at the foot of the window.
 import "@preact/signals";
 import { render } from "preact";
+import { leftOutText } from "../control/leave_out";
 import { isDebugged, waitingText } from "../control/waiting";
 import type { Provenance } from "../core/protocol";
 import type { Studio } from "../core/studio";
@@ -16,7 +17,6 @@ const kStates: Record<string, string> = {
 /** The lines of the table of a run's provenance. */
 function provenanceRows(p: Provenance): [string, string][] {
   const kBy: Record<string, string> = { engine: p.engine, cogrsim: "CogRSim" };
-  const leftOut = p.left_out.map(({ feature, of, count }) => `${feature} (${count} × ${of})`);
   const options = Object.entries(p.options).map(([name, value]) => `${name}=${value}`);
   return [
     ["engine", `${p.engine} ${p.version}`],
@@ -28,7 +28,7 @@ function provenanceRows(p: Provenance): [string, string][] {
       `${kBy[by] ?? by}: ${name}`,
     ]),
     ["options", options.length > 0 ? options.join(" ") : "none"],
-    ["left out", leftOut.join(", ") || "nothing"],
+    ["left out", leftOutText(p.left_out) || "nothing"],
     ["CogRSim", p.cogrsim_version],
   ];
 }
