@@ -75,6 +75,30 @@ void get_contacts(WireReader& in, std::vector<Contact>& contacts) {
   }
 }
 
+// After the call in which they were declared, and not again: an empty list says nothing.
+void put_inputs(WireWriter& out, const std::vector<ControllerInput>& inputs) {
+  out.put(static_cast<std::uint64_t>(inputs.size()));
+  for (const ControllerInput& input : inputs) {
+    out.put(input.name);
+    out.put(input.unit);
+    for (const double value : {input.lower, input.upper, input.value}) out.put(value);
+  }
+}
+
+// False: a controller could not have declared them.
+bool take_inputs(WireReader& in, std::vector<ControllerInput>& inputs) {
+  const std::size_t count = in.length(2 * sizeof(std::uint64_t) + 3 * sizeof(double));
+  for (std::size_t i = 0; i < count && in.good(); ++i) {
+    ControllerInput input;
+    in.get(input.name);
+    in.get(input.unit);
+    for (double* value : {&input.lower, &input.upper, &input.value}) in.get(*value);
+    if (!in.good() || !input_mistake(inputs, input).empty()) return false;
+    inputs.push_back(std::move(input));
+  }
+  return true;
+}
+
 }  // namespace
 
 DeviceIndices::DeviceIndices(const SceneModel& model, int assembly)
@@ -121,6 +145,9 @@ void ProxyWriter::put_state(WireWriter& out) {
   DevicePort& port = *access_.port;
   out.put(access_.random->state());
   out.put(access_.outputs);
+  std::vector<double> inputs;
+  for (const ControllerInput& input : access_.inputs) inputs.push_back(input.value);
+  out.put(inputs);
   for (const int motor : devices_.motors) {
     out.put(port.target(motor));
     out.put(port.effort(motor));
@@ -173,8 +200,10 @@ bool ProxyWriter::take_effects(WireReader& in) {
   in.get(reports);
   in.get(mistakes);
   in.get(fault);
+  std::vector<ControllerInput> inputs;
   const bool fits =
-      in.good() && outputs.size() == access_.outputs.size() && sources.size() == reports.size() &&
+      take_inputs(in, inputs) && in.good() && outputs.size() == access_.outputs.size() &&
+      sources.size() == reports.size() &&
       std::all_of(targets.begin(), targets.end(), [](double t) { return std::isfinite(t); }) &&
       std::all_of(asked.begin(), asked.end(), [&](int motor) {
         return std::binary_search(devices_.motors.begin(), devices_.motors.end(), motor);
@@ -198,6 +227,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
   for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
+  if (access_.inputs.empty()) access_.inputs = std::move(inputs);
   return true;
 }
 
@@ -264,6 +294,10 @@ void RemoteDevices::take_state(WireReader& in, AssemblyAccess& access) {
   }
   access.random->set_state(in.take<std::uint64_t>());
   in.get(access.outputs);
+  std::vector<double> inputs;
+  in.get(inputs);
+  for (std::size_t i = 0; i < inputs.size() && i < access.inputs.size(); ++i)
+    access.inputs[i].value = inputs[i];
   for (const int index : devices_.motors) {
     MotorCopy& motor = motors_[at(index)];
     for (double* value : {&motor.target, &motor.effort, &motor.position, &motor.velocity}) {
@@ -290,6 +324,8 @@ void RemoteDevices::put_effects(WireWriter& out, AssemblyAccess& access) {
   out.put(std::exchange(reports_, {}));
   out.put(std::exchange(access.mistakes, {}));
   out.put(std::exchange(access.fault, std::nullopt));
+  const bool more = std::exchange(declared_, access.inputs.size()) != access.inputs.size();
+  put_inputs(out, more ? access.inputs : std::vector<ControllerInput>());
 }
 
 }  // namespace cogrsim
