@@ -185,12 +185,12 @@ bool ProxyWriter::take_effects(WireReader& in) {
     set[i] = in.take<bool>();
   }
   struct Switch {
-    bool enabled = false, valid = false;
+    bool enabled = false, was_off = false;
   };
   std::vector<Switch> switches(devices_.sensors.size());
   for (Switch& one : switches) {
     in.get(one.enabled);
-    in.get(one.valid);
+    in.get(one.was_off);
   }
   std::vector<int> asked;
   std::vector<std::string> sources, reports, mistakes;
@@ -218,10 +218,10 @@ bool ProxyWriter::take_effects(WireReader& in) {
   }
   for (std::size_t i = 0; i < switches.size(); ++i) {
     const int sensor = devices_.sensors[i];
-    const Reading& reading = port.reading(sensor);
-    // Switching the sensor off and on again makes the reading invalid.
-    if (reading.valid && !switches[i].valid) port.enable(sensor, false);
-    if (reading.enabled != switches[i].enabled) port.enable(sensor, switches[i].enabled);
+    // Off and on again ends the reading, and those that are on their way.
+    if (switches[i].was_off) port.enable(sensor, false);
+    if (port.reading(sensor).enabled != switches[i].enabled)
+      port.enable(sensor, switches[i].enabled);
   }
   access_.motors = std::move(asked);
   for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
@@ -239,7 +239,9 @@ void RemoteDevices::set_target(int motor, double target) {
 void RemoteDevices::enable(int sensor, bool on) {
   Reading& reading = readings_[at(sensor)];
   reading.enabled = on;
-  if (!on) reading.valid = false;
+  if (on) return;
+  reading.valid = false;
+  was_off_[at(sensor)] = true;
 }
 
 void RemoteDevices::report(const std::string& source, const std::string& message) {
@@ -262,6 +264,7 @@ void RemoteDevices::take_scene(WireReader& in) {
   motors_.resize(model_->motors.size());
   for (MotorCopy& motor : motors_) motor = {motor.target};  // removed motors have no state
   readings_.assign(model_->sensors.size(), Reading());
+  was_off_.assign(readings_.size(), false);
   for (std::size_t i = 0; i < readings_.size(); ++i) readings_[i].sensor = static_cast<int>(i);
   fresh_ = true;
 }
@@ -317,7 +320,8 @@ void RemoteDevices::put_effects(WireWriter& out, AssemblyAccess& access) {
   }
   for (const int sensor : devices_.sensors) {
     out.put(reading(sensor).enabled);
-    out.put(reading(sensor).valid);
+    out.put(static_cast<bool>(was_off_[at(sensor)]));
+    was_off_[at(sensor)] = false;
   }
   out.put(access.motors);
   out.put(std::exchange(sources_, {}));

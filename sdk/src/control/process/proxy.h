@@ -89,6 +89,7 @@ class RemoteDevices final : public DevicePort {
   SceneModelPtr model_, original_;
   std::vector<MotorCopy> motors_;
   std::vector<Reading> readings_;
+  std::vector<bool> was_off_;                   // sensors, in the current call
   std::vector<std::string> sources_, reports_;  // messages of the current call
   std::size_t declared_ = 0;                    // inputs that the simulation knows
   bool fresh_ = false;                          // a scene was received after the last state
