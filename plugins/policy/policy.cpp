@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -43,6 +44,8 @@ class Policy final : public cogrsim::Controller {
     if (command_.size() != card_->command.size())
       robot.fail("the command has " + std::to_string(command_.size()) +
                  " numbers, and that of the card " + std::to_string(card_->command.size()));
+    else
+      declare_inputs(robot);
     find_motors(robot);
     const std::size_t count = card_->joints.size();
     raw_.assign(count, 0.0);
@@ -171,6 +174,21 @@ class Policy final : public cogrsim::Controller {
     return out;
   }
 
+  // What a person may ask for while the run goes: where the card says within which limits. A run that asks
+  // for more from its start may go on doing so.
+  void declare_inputs(cogrsim::Assembly& robot) {
+    constexpr std::pair<const char*, const char*> kWalking[] = {
+        {"forward", "m/s"}, {"left", "m/s"}, {"turn", "rad/s"}};
+    for (std::size_t i = 0; i < card_->command_limits.size(); ++i) {
+      const auto& [lower, upper] = card_->command_limits[i];
+      const bool walking = command_.size() == std::size(kWalking);
+      asked_.push_back(robot.input(walking ? kWalking[i].first : "command " + std::to_string(i + 1),
+                                   command_[i], std::min(lower, command_[i]),
+                                   std::max(upper, command_[i]),
+                                   walking ? kWalking[i].second : ""));
+    }
+  }
+
   void load_network(cogrsim::Assembly& robot, std::vector<cogrsim::Diagnostic>& found) {
     auto network = cogrsim::PolicyNetwork::read(card_->network);
     if (!network) {
@@ -239,6 +257,7 @@ class Policy final : public cogrsim::Controller {
   }
 
   void decide() {
+    for (std::size_t i = 0; i < asked_.size(); ++i) command_[i] = asked_[i].value();
     inputs_[ports_.observed] = observer_->decide(command_, raw_, clipped_);
     const auto out = network_->run(inputs_);
     if (!out) throw std::runtime_error(out.error().text());
@@ -280,6 +299,7 @@ class Policy final : public cogrsim::Controller {
   std::shared_ptr<const cogrsim::PolicyNetwork> network_;
   std::vector<cogrsim::MotorHandle> motors_;
   Values command_;
+  std::vector<cogrsim::InputHandle> asked_;  // of the command; empty: it stays
   bool gains_ = false;
   std::vector<std::vector<float>> inputs_;  // of the network
   cogrsim::PolicyPorts ports_;

@@ -90,6 +90,14 @@ void add_commands(Type& type, Send send) {
           py::arg("motor"), py::arg("target"),
           "Set the target of a motor, in the unit of its mode.")
       .def(
+          "set_input",
+          [send](Self self, const std::string& controller, const std::string& input, double value) {
+            send(self, SetInput{controller, input, value});
+          },
+          py::arg("controller"), py::arg("input"), py::arg("value"),
+          "Set an input of a controller, by its dotted name or that of its assembly. A value "
+          "outside of\nits limits is refused.")
+      .def(
           "enable_sensor",
           [send](Self self, const std::string& sensor, bool on) {
             send(self, EnableSensor{sensor, on});

@@ -75,6 +75,48 @@ TEST_CASE("bodies of which some geoms may touch are approximate", "[mjcf][contac
   CHECK(in.reports(kApproximate, "contype and conaffinity", "in 1 pairs that do"));
 }
 
+TEST_CASE("what is not for the ground stays off it where its body's other geoms touch it",
+          "[mjcf][contact]") {
+  // A foot that stands on a ball, with a box around it for the other foot alone.
+  const auto foot = [](const char* name, const std::string& ball_bits, int x) {
+    return ball(name,
+                geom(ball_bits) + R"(<geom type="box" size="1 1 1" contype="4" conaffinity="4"/>)",
+                x);
+  };
+  const auto read = [&](const std::string& ball_bits) {
+    Imported in;
+    in.read(R"(<mujoco><worldbody><geom type="plane" size="1 1 1" conaffinity="2"/>)" +
+                foot("a", ball_bits, 0) + foot("b", ball_bits, 3) + "</worldbody></mujoco>",
+            "m.xml");
+    REQUIRE(in.model);
+    const auto& shapes = in.body("a").shapes;
+    REQUIRE(shapes.size() == 2);
+    CHECK(shapes[1].collides == !in.reports(kApproximate, "contact of a shape of 'a'", "ground"));
+    return std::pair(shapes[0].collides, shapes[1].collides);
+  };
+  CHECK(read(R"(contype="2" conaffinity="1")") == std::pair(true, false));
+  // Nothing of the foot is for the ground: the pairs of bodies say all.
+  CHECK(read(R"(contype="4" conaffinity="4")") == std::pair(true, true));
+}
+
+TEST_CASE("few iterations of a later MuJoCo are the usual number", "[mjcf][option]") {
+  const auto read = [](const std::string& option) {
+    Imported in;
+    in.options.scene_folder = in.folder.path.string();
+    in.result = dsl::import_model(
+        in.folder.write("m.xml", "<mujoco><option " + option +
+                                     R"(/><worldbody><body><freejoint/><geom size="1"/></body>
+      </worldbody></mujoco>)"),
+        in.options);
+    const bool written = in.result.scene.find("iterations=\"3\"") != std::string::npos;
+    CHECK(in.reports(kApproximate, "option iterations", "is 100 here: 3 are for") == !written);
+    return written;
+  };
+  CHECK(read(R"(iterations="3")"));
+  CHECK(!read(R"(iterations="3" ls_iterations="5")"));
+  CHECK(!read(R"(ls_iterations="5" iterations="3")"));
+}
+
 TEST_CASE("pairs of geoms touch whatever their bits", "[mjcf][contact]") {
   Imported in;
   const std::string none = R"(contype="0" conaffinity="0")";

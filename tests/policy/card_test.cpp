@@ -62,6 +62,11 @@ const std::vector<Bad> kBad = {
     {"kd: 2}", "kd: 2, no-load-speed: 5 rad/s}", "CG1504", 19, 3, "stall-effort"},
     {"kd: 2}", "kd: 2, stall-effort: 5 N*m, no-load-speed: 0 rad/s}", "CG1503", 0, 0, "above 0"},
     {"kd: 2}", "kd: 2, stall-effort: 5 m, no-load-speed: 1 rad/s}", "CG1503", 0, 0, ""},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [1, 1]", "CG1503", 21, 17, "each of the 3"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: 1", "CG1503", 21, 17, "each of the 3"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [1, 1, [1, 0]]", "CG1503", 21, 24, "lower"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [0.4, 1, 1]", "CG1503", 21, 18, "0.5 is not within"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [.inf, 1, 1]", "CG1503", 21, 18, ""},
     {"kp: 40, kd: 2", "", "CG1507", 7, 10, "positions"},
     {"0.1 -0.2 rad", "0.1 -3 rad", "CG1508", 8, 15, "limits"},
 };

@@ -263,6 +263,9 @@ def load_callback(model=None, data=None):
       default_angles=np.array(model.keyframe("home").qpos[7:]),
       n_substeps=n_substeps,
       action_scale=0.5,
+      vel_scale_x=1.5,
+      vel_scale_y=0.8,
+      vel_scale_rot=2 * np.pi,
   )
 )py";
 
@@ -288,6 +291,7 @@ actions:
   kind: position
   scale: 0.5
   offset: default
+command-limits: [1.5, 0.8, 6.283185307179586]
 )";
 
 // A network of so many inputs and two outputs.

@@ -1,13 +1,16 @@
 // Writes networks of the kinds that policies have into the present folder, with random inputs and what
 // PolicyNetwork makes of them: NAME.onnx, NAME.json (inputs and outputs), NAME.in and NAME.out (float32).
+// With arguments, those of others: BACKEND (CARD.policy.yaml | NETWORK.onnx)...
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "cogrsim/policy/network.h"
+#include "judge_recorded.h"
 #include "onnx_writer.h"
 
 using namespace cogrsim;
@@ -84,42 +87,72 @@ std::string ports_text(const std::vector<NetworkPort>& ports) {
   return "[" + out + "]";
 }
 
-bool write(const std::string& name, const std::string& bytes) {
-  const auto network = PolicyNetwork::parse(bytes, name);
-  if (!network) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), network.error().text().c_str());
-    return false;
-  }
+bool refuse(const std::string& name, const Error& error) {
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), error.text().c_str());
+  return false;
+}
+
+bool write(const std::string& name, const std::string& bytes, const PolicyNetwork& network,
+           const std::vector<NetworkInputs>& inputs) {
   std::ofstream(name + ".onnx", std::ios::binary) << bytes;
-  std::ofstream(name + ".json") << "{\"inputs\":" << ports_text((*network)->inputs())
-                                << ",\"outputs\":" << ports_text((*network)->outputs()) << "}\n";
+  std::ofstream(name + ".json") << "{\"inputs\":" << ports_text(network.inputs())
+                                << ",\"outputs\":" << ports_text(network.outputs()) << "}\n";
   std::ofstream given(name + ".in", std::ios::binary), made(name + ".out", std::ios::binary);
-  const auto put = [](std::ofstream& file, const std::vector<float>& values) {
-    file.write(reinterpret_cast<const char*>(values.data()),
-               static_cast<std::streamsize>(4 * values.size()));
+  const auto put = [](std::ofstream& file, const std::vector<std::vector<float>>& rows) {
+    for (const auto& values : rows)
+      file.write(reinterpret_cast<const char*>(values.data()),
+                 static_cast<std::streamsize>(4 * values.size()));
   };
-  for (int i = 0; i < kObservations; ++i) {
-    std::vector<std::vector<float>> in;
-    for (const NetworkPort& port : (*network)->inputs()) {
-      in.push_back(numbers(static_cast<int>(port.size), 1.0));
-      put(given, in.back());
-    }
-    const auto out = (*network)->run(in);
-    if (!out) return false;
-    for (const auto& values : *out) put(made, values);
+  for (const NetworkInputs& in : inputs) {
+    const auto out = network.run(in);
+    if (!out) return refuse(name, out.error());
+    put(given, in);
+    put(made, *out);
   }
   return given.good() && made.good();
 }
 
+bool write_own(const std::string& name, const std::string& bytes) {
+  const auto network = PolicyNetwork::parse(bytes, name);
+  if (!network) return refuse(name, network.error());
+  std::vector<NetworkInputs> inputs(kObservations);
+  for (NetworkInputs& in : inputs)
+    for (const NetworkPort& port : (*network)->inputs())
+      in.push_back(numbers(static_cast<int>(port.size), 1.0));
+  return write(name, bytes, **network, inputs);
+}
+
+bool write_given(const std::string& path, const std::string& backend, int number) {
+  const bool alone = std::filesystem::path(path).extension() == ".onnx";
+  std::shared_ptr<const PolicyNetwork> network;
+  std::string file = path;
+  if (alone) {
+    const auto read = PolicyNetwork::read(path);
+    if (!read) return refuse(path, read.error());
+    network = *read;
+  }
+  const auto inputs = alone ? random_inputs(*network, kObservations)
+                            : recorded_inputs(path, backend, kObservations, network, file);
+  if (!inputs) return refuse(path, inputs.error());
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  // Cards of different folders may have the same name.
+  const std::string stem = std::filesystem::path(path).filename().string();
+  return write(std::to_string(number) + " " + stem.substr(0, stem.find('.')), bytes, *network,
+               *inputs);
+}
+
 }  // namespace
 
-int main() {
+int main(int count, char** arguments) {
   bool good = true;
+  for (int i = 2; i < count; ++i) good = write_given(arguments[i], arguments[1], i - 1) && good;
+  if (count > 1) return good ? 0 : 1;
   for (const char* activation :
        {"Relu", "Tanh", "Elu", "Sigmoid", "Selu", "Softplus", "LeakyRelu", "Mish"})
-    good = write(activation, perceptron(activation, 18)) && good;
-  good = write("Gelu", perceptron("Gelu", 20)) && good;
-  good = write("LSTM", recurrent("LSTM", 4)) && good;
-  good = write("GRU", recurrent("GRU", 3)) && good;
+    good = write_own(activation, perceptron(activation, 18)) && good;
+  good = write_own("Gelu", perceptron("Gelu", 20)) && good;
+  good = write_own("LSTM", recurrent("LSTM", 4)) && good;
+  good = write_own("GRU", recurrent("GRU", 3)) && good;
   return good ? 0 : 1;
 }

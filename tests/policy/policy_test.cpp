@@ -237,6 +237,38 @@ TEST_CASE("a run continues from a snapshot with the policy's memory", "[run]") {
           Approx(first->frame()->state.joint_positions[i]).margin(1e-5));
 }
 
+TEST_CASE("what is asked of a policy can be changed within its card's limits", "[run]") {
+  const PolicyFolder folder;
+  const std::string limits = "command-limits: [[-1, 0.6], 0.5, 1]\n";
+  const auto steered = start(folder, kCard + limits);
+  const auto inputs = steered->controller_inputs();
+  REQUIRE(inputs.size() == 1);
+  REQUIRE(inputs[0].inputs.size() == 3);
+  CHECK(inputs[0].inputs[0].name == "forward");
+  CHECK(inputs[0].inputs[1].lower == -0.5);
+  CHECK(inputs[0].inputs[2].value == 0.1);
+  const auto ask = [&](const char* input, double value) {
+    steered->send(SetInput{inputs[0].controller, input, value});
+  };
+  ask("forward", -0.75);
+  ask("turn", 1.0);
+  ask("left", 0.7);  // refused
+  const auto other = start(folder, with("command: 0.5 0 0.1", "command: -0.75 0 1"));
+  const auto same = [&] {
+    return steered->frame()->state.joint_positions == other->frame()->state.joint_positions;
+  };
+  REQUIRE(steered->run_until(0.15) == RunStatus::completed);
+  REQUIRE(other->run_until(0.15) == RunStatus::completed);
+  CHECK(same());
+  CHECK_THAT(steered->messages().back().message, Contains("0.7 is not from -0.5 to 0.5"));
+  ask("forward", 0.6);
+  REQUIRE(steered->run_until(0.3) == RunStatus::completed);
+  REQUIRE(other->run_until(0.3) == RunStatus::completed);
+  CHECK(!same());
+  // Without limits there is nothing to set.
+  CHECK(other->controller_inputs().empty());
+}
+
 TEST_CASE("a policy that does not fit its scene does not start", "[run]") {
   const PolicyFolder folder;
   CHECK_THROWS_WITH(start(folder, with("[elbow, wrist]", "[elbow, wirst]")),

@@ -56,6 +56,23 @@ TEST_CASE("a policy's runs are counted per engine and command, with intervals", 
   CHECK(still < 0.05);
 }
 
+TEST_CASE("motors at the curves of the scene are at their limits", "[transfer]") {
+  const auto share = [](const std::string& more) {
+    const PolicyFolder folder;
+    std::string robot = kRobot;
+    const std::string limit = "max-torque=\"20 N*m\"";
+    for (std::size_t at = robot.find(limit); at != std::string::npos;
+         at = robot.find(limit, at + limit.size() + more.size()))
+      robot.insert(at + limit.size(), more);
+    folder.write("arm.scene.xml", robot);
+    const json table = table_of(transfer(folder, {"--seeds", "1..2", "--json", "-"}));
+    return table["rows"][0]["measures"]["at_limit"]["mean"].get<double>();
+  };
+  // 0.8 kg at some 5 cm need more than 0.01 N m to be held.
+  CHECK(share(" stall-torque=\"0.01 N*m\" no-load-speed=\"1000 rad/s\"") > 0.5);
+  CHECK(share("") < 0.1);
+}
+
 TEST_CASE("the table is the same on any number of workers, and a study goes on", "[transfer]") {
   const PolicyFolder folder;
   const std::string kept = folder.path("study");

@@ -108,6 +108,68 @@ TEST_CASE("what was done by hand comes again to the last bit", "[studio][run][ha
   }
 }
 
+TEST_CASE("inputs of controllers are set, limited, and come again", "[studio][run][hands]") {
+  const bool own_process = GENERATE(false, true);
+  std::string text = kScene;
+  text.replace(
+      text.find("  </assembly>"), 0,
+      std::string("    <controller plugin=\"studio_test_asker\" rate=\"100 Hz\" isolation=\"") +
+          (own_process ? "process" : "none") + "\"/>\n");
+  const cogrsim::test::TemporaryFolder folder;
+  RunOptions options;
+  options.folder = folder.path.string();
+  Page page(options, std::make_shared<PluginLoader>(std::vector<std::string>{STUDIO_TEST_PLUGINS}));
+  page.join(1);
+  page.show(text);
+  page.get("record", {{"file", "seen.mcap"}});
+  const std::string name = page.status().at("controllers").at(0).at("controller");
+  const Json shown = page.status().at("controllers").at(0).at("inputs");
+  CHECK(shown == Json::parse(R"([{"name":"speed","unit":"rad/s","lower":-2,"upper":4,"value":1},
+      {"name":"trim","unit":"","lower":-0.5,"upper":0.5,"value":0}])"));
+  const auto set = [&](const char* input, double value) {
+    return page.get("input", {{"controller", name}, {"input", input}, {"value", value}})
+        .at("value");
+  };
+  page.get("step", {{"count", 100}});
+  CHECK(set("speed", -1.5) == -1.5);
+  page.get("step", {{"count", 100}});
+  CHECK(page.status().at("controllers").at(0).at("inputs").at(0).at("value") == -1.5);
+  // beyond its limits: what it takes is answered, and recorded
+  CHECK(set("trim", 1e6) == 0.5);
+  CHECK(set("speed", 1e6) == 4.0);
+  page.get("step", {{"count", 200}});
+  const std::string hash = page.hash_after(400);
+  CHECK(page.status().at("inputs") == 3);
+  page.get("record", {{"on", false}});
+
+  const auto wrong = [&](const char* key, const Json& value) {
+    Json fields = {{"controller", name}, {"input", "speed"}, {"value", 1.0}};
+    fields[key] = value;
+    return page.error("input", fields);
+  };
+  CHECK_THAT(wrong("controller", "mill.nobody"), Catch::Contains("no controller 'mill.nobody'"));
+  CHECK_THAT(wrong("input", "sped"), Catch::Contains("with an input 'sped'"));
+  for (const Json& value : {Json("fast"), Json(nullptr), Json(1e30), Json::array({1})})
+    CHECK_THAT(wrong("value", value), Catch::Contains("'value'"));
+
+  const auto inputs = cli::read_inputs(folder / "seen.mcap");
+  REQUIRE(inputs);
+  REQUIRE(inputs->list.size() == 3);
+  const auto again = cli::inputs_from(cli::to_text(*inputs), "seen.jsonl");
+  REQUIRE(again);
+  const auto* last = std::get_if<SetInput>(&again->list[2].command);
+  REQUIRE(last);
+  CHECK((last->controller == name && last->input == "speed" && last->value == 4.0));
+  page.get("speed", {{"factor", 0.01}});
+  CHECK(page.get("repeat").at("inputs") == 3);
+  page.status("playing");
+  page.get("pause");
+  const int done = page.status("paused").at("step_count");
+  REQUIRE(done < 400);
+  page.get("step", {{"count", 400 - done}});
+  CHECK(page.hash_after(400) == hash);
+}
+
 TEST_CASE("a body that is pulled comes to where it is pulled", "[studio][run][hands]") {
   const std::string backend = GENERATE(cogrsim::test::engines());
   const double step = GENERATE(0.001, 0.01);
@@ -287,7 +349,7 @@ TEST_CASE("inputs of strangers are refused with their line", "[studio][hands]") 
   CHECK_THAT(error(head + R"({"step":0.5,"motor":"m","target":1})"), Catch::Contains("x.jsonl:2") && Catch::Contains("whole number"));
   CHECK_THAT(error(head + R"({"step":1,"motor":"m","target":"much"})"), Catch::Contains("'target'"));
   CHECK_THAT(error(head + R"({"step":1,"body":"b","force":[1,2],"point":[0,0,0]})"), Catch::Contains("'force'"));
-  CHECK_THAT(error(head + R"({"step":1,"explode":true})"), Catch::Contains("'motor', 'body' or 'dt'"));
+  CHECK_THAT(error(head + R"({"step":1,"explode":true})"), Catch::Contains("'motor', 'body', 'controller' or 'dt'"));
   CHECK_THAT(error(head + std::string(100, '[') + "\n"), Catch::Contains("deeper"));
   const std::string motor = R"({"step":1,"motor":"m","target":1})" "\n";
   CHECK_THAT(error(head + motor + motor), Catch::Contains("more inputs"));

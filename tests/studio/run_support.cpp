@@ -163,10 +163,10 @@ Scene scene_of(const std::string& xml, std::uint64_t version) {
   return scene;
 }
 
-Page::Page(RunOptions options)
+Page::Page(RunOptions options, std::shared_ptr<PluginLoader> loader)
     : own_outbox_(std::make_unique<FakeOutbox>()),
       outbox_(own_outbox_.get()),
-      run_(Run::of_scene(std::move(options), std::make_shared<PluginLoader>(), *outbox_)) {}
+      run_(Run::of_scene(std::move(options), std::move(loader), *outbox_)) {}
 
 Page::Page(std::unique_ptr<Run> run, FakeOutbox& outbox) : outbox_(&outbox), run_(std::move(run)) {}
 

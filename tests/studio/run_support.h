@@ -69,7 +69,8 @@ Scene scene_of(const std::string& xml, std::uint64_t version = 1);
 /// A run, asked things one after the other.
 class Page {
  public:
-  explicit Page(RunOptions options = {});
+  explicit Page(RunOptions options = {},
+                std::shared_ptr<PluginLoader> loader = std::make_shared<PluginLoader>());
   explicit Page(std::unique_ptr<Run> run, FakeOutbox& outbox);
   ~Page();
 

@@ -421,9 +421,7 @@ std::string percent_text(const Estimate& e) {
 // The first decision from which on the means of a number differ by more than twice what starts make of it.
 std::string first_difference(const Question& q) {
   const double until = std::min(2.0, *q.plan.options.scene.duration);
-  CasePool::Limits limits;
-  limits.jobs = case_limits(q.plan.options).jobs;
-  CasePool pool("sweep-case", limits, sweep_outcome);
+  CasePool pool("sweep-case", case_limits(q.plan.options), sweep_outcome);
   const std::size_t count = q.plan.options.seeds.size();
   std::vector<Json> results(2 * count);
   const auto& changes = q.plan.options.variations[1].values;

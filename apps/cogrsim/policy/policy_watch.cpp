@@ -69,6 +69,11 @@ void PolicyWatch::efforts(const Frame& frame, double dt) {
     const double effort = frame.state.motor_efforts[index];
     const double speed =
         frame.state.joint_velocities[static_cast<std::size_t>(joint.speed_offset + motor.axis)];
+    if (std::isfinite(motor.no_load_speed)) {
+      // The motor's own curve, see Motor::stall_effort.
+      const double along = std::copysign(speed, effort * speed);
+      limit = std::clamp(motor.stall_effort * (1.0 - along / motor.no_load_speed), 0.0, limit);
+    }
     limit = std::fabs(scene_.card->actions.limited(i, std::copysign(limit, effort), speed));
     samples_ += 1.0;
     if (std::fabs(effort) >= 0.999 * limit) at_limit_ += 1.0;

@@ -31,6 +31,10 @@ Line to_json(const Input& input) {
     out["body"] = force->body;
     out["force"] = to_json(force->force);
     out["point"] = to_json(force->point);
+  } else if (const auto* set = std::get_if<SetInput>(&input.command)) {
+    out["controller"] = set->controller;
+    out["input"] = set->input;
+    out["value"] = set->value;
   } else if (const auto* step = std::get_if<SetStep>(&input.command)) {
     out["dt"] = step->dt;
   }
@@ -89,12 +93,14 @@ Result<Input> input_from(const Line& line) {
     force.force = read.vector("force");
     force.point = read.vector("point");
     out.command = std::move(force);
+  } else if (line.contains("controller")) {
+    out.command = SetInput{read.text("controller"), read.text("input"), read.number("value")};
   } else if (line.contains("dt")) {
     const double dt = read.number("dt");
     if (!(dt > 0.0)) read.miss("dt", "above 0");
     out.command = SetStep{dt};
   } else if (read.wrong.empty()) {
-    read.wrong = "an input has 'motor', 'body' or 'dt'";
+    read.wrong = "an input has 'motor', 'body', 'controller' or 'dt'";
   }
   if (!read.wrong.empty()) return fail(read.wrong);
   return out;
@@ -144,7 +150,8 @@ Result<Inputs> inputs_from(const std::string& text, const std::string& file) {
       announced = static_cast<std::size_t>(count);
       continue;
     }
-    if (out.list.size() >= announced) return wrong("there are more inputs than the first line says");
+    if (out.list.size() >= announced)
+      return wrong("there are more inputs than the first line says");
     auto input = input_from(line);
     if (!input) return wrong(input.error().message);
     out.list.push_back(std::move(*input));

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMostInputs = 3'600'000;
 
 struct Input {
   std::uint64_t step = 0;  ///< the number of steps done before
-  Command command;         ///< SetMotor, ApplyForce or SetStep
+  Command command;         ///< SetMotor, ApplyForce, SetInput or SetStep
 };
 
 struct Inputs {

@@ -85,6 +85,7 @@ class Engine {
   // engine_hands.cpp: what a person does in the run
   /// Sets a motor's target, until something else sets it.
   Answer set_motor(const std::string& name, double target);
+  Answer set_input(const std::string& controller, const std::string& input, double value);
   /// Pulls a body by a spring to `target`, until it is released or that client is gone.
   Answer grab(ClientId client, GrabRequest request);
   Answer move_grab(ClientId client, const Vec3& target);

@@ -96,6 +96,22 @@ Answer Engine::set_motor(const std::string& name, double target) {
   return Json{{"target", limited}};
 }
 
+Answer Engine::set_input(const std::string& controller, const std::string& input, double value) {
+  if (auto good = may_run(); !good) return tl::unexpected(good.error());
+  for (const ControllerInputs& each : simulation_->controller_inputs()) {
+    if (each.controller != controller) continue;
+    for (const ControllerInput& one : each.inputs) {
+      if (one.name != input) continue;
+      const double limited = std::clamp(value, one.lower, one.upper);
+      if (auto given = give(SetInput{controller, input, limited}); !given)
+        return tl::unexpected(given.error());
+      publish(state_ != State::playing);
+      return Json{{"value", limited}};
+    }
+  }
+  return fail("there is no controller '" + controller + "' with an input '" + input + "'");
+}
+
 Answer Engine::grab(ClientId client, GrabRequest request) {
   if (auto good = may_run(); !good) return tl::unexpected(good.error());
   if (ghost_)

@@ -258,6 +258,7 @@ void Engine::publish(bool urgent) {
     s.backend = simulation_->backend().name();
     s.engine_version = simulation_->backend().engine_version();
     s.provenance = provenance_;
+    s.controllers = simulation_->controller_inputs();
   }
   if (recorder_) s.recording = recording_;
   s.scene = scene_number_;

@@ -454,6 +454,7 @@ const std::vector<ProtocolType>& protocol_types() {
         {"frames", "integer"},
         {"scene", "integer", "its number"},
         {"inputs?", "integer", "what was done by hand since the start; missing in bundles"},
+        {"controllers?", "ControllerInputs[]", "missing in bundles"},
         {"state_hash?", "string",
          "of the newest state, as `cogrsim run` prints it; \"\": it moves. Missing in bundles"},
         {"compare", "Comparison | null"},

@@ -101,6 +101,10 @@ class LiveRun final : public Run {
     } else if (what == "motor") {
       answer([name = f.at("motor").get<std::string>(), target = f.at("target").get<double>()](
                  Engine& e) { return e.set_motor(name, target); });
+    } else if (what == "input") {
+      answer([controller = f.at("controller").get<std::string>(),
+              input = f.at("input").get<std::string>(), value = f.at("value").get<double>()](
+                 Engine& e) { return e.set_input(controller, input, value); });
     } else if (what == "grab") {
       GrabRequest grab;
       grab.body = f.at("body").get<std::string>();

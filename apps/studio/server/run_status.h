@@ -32,6 +32,7 @@ struct Situation {
   std::optional<std::string> recording;          ///< file
   std::uint32_t scene = 0;
   std::size_t inputs = 0;  ///< of a person, so far
+  std::vector<ControllerInputs> controllers;
   std::string state_hash;  ///< of the newest state, as the command line has it; empty while playing
   struct Comparison {
     std::array<std::string, 2> labels;

@@ -129,6 +129,21 @@ Json to_json(const RunMessage& message) {
           {"message", message.message}};
 }
 
+Json to_json(const std::vector<ControllerInputs>& controllers) {
+  Json out = Json::array();
+  for (const ControllerInputs& each : controllers) {
+    Json inputs = Json::array();
+    for (const ControllerInput& input : each.inputs)
+      inputs.push_back({{"name", input.name},
+                        {"unit", input.unit},
+                        {"lower", input.lower},
+                        {"upper", input.upper},
+                        {"value", input.value}});
+    out.push_back({{"controller", each.controller}, {"inputs", std::move(inputs)}});
+  }
+  return out;
+}
+
 Json to_json(const Provenance& provenance) { return Json::parse(to_json_text(provenance)); }
 
 Json to_json(const std::vector<LeftOut>& left_out) {
@@ -157,6 +172,7 @@ Json status_json(const Situation& s, const Frames::Extent& extent, std::size_t v
               {"frames", extent.count},
               {"scene", s.scene},
               {"inputs", s.inputs},
+              {"controllers", to_json(s.controllers)},
               {"state_hash", s.state_hash},
               {"compare", nullptr},
               {"waiting", nullptr},

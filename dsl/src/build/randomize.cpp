@@ -1,11 +1,13 @@
 // Quantities that are drawn for each run.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "build/build_scene.h"
 #include "cogrsim/model/randomize.h"
+#include "cogrsim/sensing/sensor_models.h"
 
 namespace cogrsim::dsl {
 namespace {
@@ -31,6 +33,11 @@ std::string number_problem(const Distribution& distribution, const std::vector<d
   if (n[0] > n[1]) return "low must not exceed high";
   if (distribution.shape == Form::loguniform && !(n[0] > 0.0)) return "low must be above 0";
   return "";
+}
+
+bool is_delay(const std::string& quantity) {
+  const std::string last = quantity.substr(quantity.rfind('.') + 1);
+  return last == "delay" || last == "latency";
 }
 
 }  // namespace
@@ -121,6 +128,10 @@ bool Builder::drawn_quantities(const Element& element, const Call& call, std::st
   // The numbers at which a value is smallest or largest, and the one that must be possible.
   std::vector<double> ends = out.numbers;
   if (out.shape == Form::normal) ends.pop_back();
+  SceneModel late;  // as late as motors and sensors can become
+  late.motors = model_.motors;
+  late.sensors = model_.sensors;
+  std::set<std::string> delays;
   for (const VariableQuantity& quantity : found) {
     const bool factor = out.how == RandomizeModel::How::multiply;
     if (!factor && !quantity.dimension) {
@@ -137,9 +148,11 @@ bool Builder::drawn_quantities(const Element& element, const Call& call, std::st
                         describe(wanted) + ", found " + describe(argument.dimension));
       return false;
     }
+    double longest = 0.0;
     for (const double value : quantity.values) {
       for (const double end : ends) {
         const double drawn = drawn_value(out, value, end);
+        longest = std::max(longest, drawn);
         if (quantity.valid(drawn)) continue;
         sink()
             .report(
@@ -154,6 +167,21 @@ bool Builder::drawn_quantities(const Element& element, const Call& call, std::st
       }
     }
     out.quantities.push_back(quantity.name);
+    if (is_delay(quantity.name)) {
+      quantity.set(late, {longest});
+      delays.insert(quantity.name);
+    }
+  }
+  for (const UnusableDelay& it : unusable_delays(late, model_.physics.step)) {
+    const auto at = static_cast<std::size_t>(it.index);
+    const std::string name =
+        it.motor ? late.motors[at].name + ".delay" : late.sensors[at].name + ".latency";
+    if (delays.count(name) == 0) continue;
+    sink()
+        .report("CG1204", call.span, element.trail,
+                fmt::format("'{}' can become too long: {}", name, it.error.message))
+        .help("choose narrower bounds");
+    return false;
   }
   return true;
 }

@@ -27,6 +27,7 @@ class ContactBits {
     find_named_pairs();
     if (!find_classes()) return;
     silence_shapes();
+    keep_off_the_ground();
     find_masks();
     count();
     report();
@@ -112,6 +113,42 @@ class ContactBits {
                      std::any_of(classes_.begin(), classes_.end(),
                                  [&](const auto& c) { return touch(own, c.first); });
       }
+  }
+
+  /// Where some shapes of a link touch what stands in the world, and others are for contact within the
+  /// robot alone (a box around a foot that walks on spheres), all would touch it. What the robot walks
+  /// on matters more than contact within it: the others touch nothing.
+  void keep_off_the_ground() {
+    std::set<int> bases;  // parts of robots themselves
+    for (const RobotJoint& j : robot_.joints) bases.insert(j.parent);
+    std::set<Class> ground;
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      for (const RobotShape& s : robot_.links[i].shapes)
+        if (s.collides && robot_.stands(static_cast<int>(i)) &&
+            bases.count(static_cast<int>(i)) == 0)
+          ground.insert(class_of(s));
+    const auto lands = [&](const RobotShape& s) {
+      return std::any_of(ground.begin(), ground.end(),
+                         [&](const Class& g) { return touch(class_of(s), g); });
+    };
+    const Class usual{robot_.usual_bits, robot_.usual_bits};
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      auto& shapes = robot_.links[i].shapes;
+      if (robot_.stands(static_cast<int>(i)) ||
+          !std::any_of(shapes.begin(), shapes.end(),
+                       [&](const RobotShape& s) { return s.collides && lands(s); }))
+        continue;
+      for (RobotShape& s : shapes) {
+        if (!s.collides || lands(s) || touch(class_of(s), usual) ||
+            named_shapes_.count(s.name) != 0)
+          continue;
+        s.collides = false;
+        context_.approximate(
+            s.at, fmt::format("contact of a shape of '{}'", robot_.links[i].name),
+            "it touches nothing: in the source it touches links, but not the ground that other "
+            "shapes of its link touch, and a scene decides that for all shapes of a body");
+      }
+    }
   }
 
   /// By their model.

@@ -164,7 +164,13 @@ void MjcfReader::solver_option(const XmlElement& e, const std::string& key,
   for (const Number& n : kNumbers) {
     if (key != n.attribute) continue;
     const auto v = context_.number(e, n.attribute);
-    if (v && *v >= n.least && *v <= n.most)
+    // The few that suffice with the line search of MuJoCo 3 do not with that before it.
+    if (v && key == "iterations" && *v < n.usual && e.find("ls_iterations") != nullptr)
+      context_.approximate(e.at, what,
+                           fmt::format("is {} here: {} are for a solver with `ls_iterations`, and "
+                                       "too few in one without",
+                                       n.usual, *v));
+    else if (v && *v >= n.least && *v <= n.most)
       of_mujoco(e.at, what, n.name, fmt::format("{}", *v), fmt::format("{}", n.usual), "");
     else if (v)
       context_.left_out(e.at, what, fmt::format("{} is not from {} to {}", *v, n.least, n.most));

@@ -34,6 +34,8 @@ AttributeSpec distribution(std::string_view name, std::string_view doc) {
                   kAngularDamping,
                   kInertia,
                   kSpeed,
+                  kTime,
+                  kDensity,
                   kAngularSpeed,
                   kIntegralGain,
                   kAngularIntegralGain,

@@ -308,6 +308,19 @@ const MazeModel* Assembly::maze(const std::string& name) {
   return nullptr;
 }
 
+double InputHandle::value() const { return access_ ? access_->inputs[input_].value : 0.0; }
+
+InputHandle Assembly::input(const std::string& name, double value, double lower, double upper,
+                            const std::string& unit) {
+  ControllerInput input{name, unit, lower, upper, value};
+  if (std::string wrong = input_mistake(access_->inputs, input); !wrong.empty()) {
+    access_->mistakes.push_back(std::move(wrong));
+    return {};
+  }
+  access_->inputs.push_back(std::move(input));
+  return {access_.get(), access_->inputs.size() - 1};
+}
+
 void Assembly::publish(const std::string& output, double value) {
   auto wrong = publish_output(*access_->declared, output, value, access_->outputs);
   if (wrong) access_->fault = std::move(wrong);

@@ -1,5 +1,10 @@
 #include "assembly/assembly_access.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "cogrsim/core/constants.h"
 #include "core/index.h"
 
@@ -23,6 +28,31 @@ std::shared_ptr<AssemblyAccess> make_access(DevicePort& port, const ControllerMo
 
 std::string assembly_name(const SceneModel& model, int assembly) {
   return assembly < 0 ? "the scene" : model.assemblies[at(assembly)].name;
+}
+
+std::string input_mistake(const std::vector<ControllerInput>& others,
+                          const ControllerInput& input) {
+  constexpr std::size_t kMost = 64, kLongest = 100;  // what somebody can oversee
+  const std::string who = "input '" + input.name.substr(0, kLongest) + "'";
+  if (input.name.empty() || input.name.size() > kLongest || input.unit.size() > kLongest)
+    return fmt::format("{}: a name has 1 to {} bytes, a unit at most as many", who, kLongest);
+  if (others.size() >= kMost) return fmt::format("{}: a controller has at most {}", who, kMost);
+  if (std::any_of(others.begin(), others.end(),
+                  [&](const ControllerInput& other) { return other.name == input.name; }))
+    return who + " is declared twice";
+  if (!std::isfinite(input.lower) || !std::isfinite(input.upper) || !(input.lower < input.upper))
+    return fmt::format("{}: its limits {} and {} are no range", who, input.lower, input.upper);
+  if (!(input.value >= input.lower && input.value <= input.upper))
+    return fmt::format("{}: its value {} is not from {} to {}", who, input.value, input.lower,
+                       input.upper);
+  return {};
+}
+
+void carry_inputs(const std::vector<ControllerInput>& from, std::vector<ControllerInput>& to) {
+  for (ControllerInput& input : to)
+    for (const ControllerInput& old : from)
+      if (old.name == input.name && std::isfinite(old.value))
+        input.value = std::clamp(old.value, input.lower, input.upper);
 }
 
 std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assembly/device_port.h"
+#include "cogrsim/assembly/input.h"
 #include "cogrsim/core/parameter.h"
 #include "cogrsim/core/random.h"
 
@@ -23,6 +24,7 @@ struct AssemblyAccess {
   Parameters parameters;
   const std::vector<PluginOutput>* declared = nullptr;
   std::vector<double> outputs;  ///< in the order of `declared`
+  std::vector<ControllerInput> inputs;
   std::optional<RandomStream> random;
   std::vector<int> motors;            ///< the motors that it requested
   std::vector<std::string> mistakes;  ///< errors in configure()
@@ -35,6 +37,12 @@ std::shared_ptr<AssemblyAccess> make_access(DevicePort& port, const ControllerMo
 
 /// Name of an assembly for messages; "the scene" for -1.
 std::string assembly_name(const SceneModel& model, int assembly);
+
+/// What is wrong with an input that a controller declares beside these; empty: nothing.
+std::string input_mistake(const std::vector<ControllerInput>& others, const ControllerInput& input);
+
+/// Gives those of these inputs that have the name of one of the others its value, within their limits.
+void carry_inputs(const std::vector<ControllerInput>& from, std::vector<ControllerInput>& to);
 
 /// Sets one of the declared outputs; returns an error message if it is not declared.
 std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,

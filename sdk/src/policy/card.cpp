@@ -101,7 +101,7 @@ class Reader {
     yaml_.check_keys(root,
                      {"policy", "robot", "keyframe", "base", "network", "input", "output", "state",
                       "rate", "step", "joints", "default-pose", "observations", "observation-clip",
-                      "actions", "command", "fallen"},
+                      "actions", "command", "command-limits", "fallen"},
                      "a policy card");
     if (const auto version = yaml_.word(
             yaml_.required(root, "policy", "a card begins with \"policy: 1\", its version"),
@@ -523,6 +523,31 @@ class Reader {
     if (const auto values = yaml_.quantities(node, {dim::kNone}, "command"))
       card_.command = *values;
     place("command", node);
+    command_limits(yaml_.root()["command-limits"]);
+  }
+
+  void command_limits(const YAML::Node& node) {
+    if (!node.IsDefined()) return;
+    place("command-limits", node);
+    const std::size_t count = card_.command.size();
+    if (!node.IsSequence() || node.size() != count)
+      return yaml_.error(
+          node, "CG1503",
+          fmt::format("command-limits has an entry for each of the {} numbers of the "
+                      "command",
+                      count),
+          "one number for both sides, or two: \"command-limits: [[-0.5, 1], 0.5, 1]\"");
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto limits = clip(node[i], "an entry of command-limits");
+      if (!limits) return;
+      if (!(limits->first < limits->second) || card_.command[i] < limits->first ||
+          card_.command[i] > limits->second)
+        return yaml_.error(
+            node[i], "CG1503",
+            fmt::format("the command {} is not within {} and {}, or they are no range",
+                        card_.command[i], limits->first, limits->second));
+      card_.command_limits.push_back(*limits);
+    }
   }
 
   void rest() {

@@ -12,9 +12,9 @@ namespace {
 
 // The order in which a person writes the keys: as in the reference.
 constexpr const char* kOrder[] = {
-    "policy",           "robot",        "keyframe", "base",    "network", "input",
-    "output",           "state",        "rate",     "step",    "joints",  "default-pose",
-    "observation-clip", "observations", "actions",  "command", "fallen"};
+    "policy",           "robot",        "keyframe", "base",    "network",        "input",
+    "output",           "state",        "rate",     "step",    "joints",         "default-pose",
+    "observation-clip", "observations", "actions",  "command", "command-limits", "fallen"};
 
 constexpr const char* kActions[] = {
     "kind",         "scale",        "offset",        "clip",  "kp", "kd",

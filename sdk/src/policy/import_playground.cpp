@@ -92,6 +92,7 @@ class ScriptReader {
     unchanged(*stack);
     times();
     actions();
+    limits();
     pose();
     files();
     draft_.joints_of_robot = true;
@@ -256,10 +257,10 @@ class ScriptReader {
         return;
       }
       if (!site_.empty() && site_ != site)
-        ask_at(place, "base",
-               fmt::format("gravity is seen from '{}' and from '{}'", one_line(site_),
-                           one_line(site)),
-               "--base NAME");
+        ask_at(
+            place, "base",
+            fmt::format("gravity is seen from '{}' and from '{}'", one_line(site_), one_line(site)),
+            "--base NAME");
       site_ = site;
       draft_.top.set("base", name_text(site));
     } else if (made == "data.qpos[7:]-self._default_angles" || made == "data.qpos[7:]") {
@@ -414,12 +415,11 @@ class ScriptReader {
   void unchanged(const Statement& stack) {
     for (const Statement& s : statements_) {
       if (&s == &stack) continue;
-      for (const auto& [name, known] :
-           {std::pair{"obs", "obs=self.get_obs("},
-            {"onnx_pred", "onnx_pred=self._policy.run("},
-            {"self._last_action", "self._last_action=np.zeros"},
-            {"self._action_scale", "self._action_scale="},
-            {"self._default_angles", "self._default_angles="}}) {
+      for (const auto& [name, known] : {std::pair{"obs", "obs=self.get_obs("},
+                                        {"onnx_pred", "onnx_pred=self._policy.run("},
+                                        {"self._last_action", "self._last_action=np.zeros"},
+                                        {"self._action_scale", "self._action_scale="},
+                                        {"self._default_angles", "self._default_angles="}}) {
         const std::string word = name;
         if (!begins(s.text, word)) continue;
         const std::string rest = s.text.substr(word.size());
@@ -465,6 +465,17 @@ class ScriptReader {
         ask_at(whole, "observations.last-action.clipped",
                "the script does not keep the output as it is",
                "--set observations.last-action.clipped=false");
+  }
+
+  // What the script's gamepad asks for at most.
+  void limits() {
+    std::string out;
+    for (const char* name : {"vel_scale_x", "vel_scale_y", "vel_scale_rot"}) {
+      const auto most = angle_of(argument(name));
+      if (!most || !(*most > 0.0)) return;
+      out += (out.empty() ? "[" : ", ") + number_text(*most);
+    }
+    draft_.top.set("command-limits", out + "]");
   }
 
   void pose() {

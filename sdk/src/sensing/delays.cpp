@@ -1,4 +1,5 @@
-// The delays of motors and sensors that a run has memory for.
+#include "sensing/delays.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -26,6 +27,10 @@ double values_of(const SensorModel& sensor) {
   return std::max(kOther, static_cast<double>(ray_directions(sensor).size()));
 }
 
+double rate_of(const SensorModel& sensor, double step) {
+  return sensor.rate > 0.0 ? std::min(sensor.rate, 1.0 / step) : 1.0 / step;
+}
+
 std::optional<Error> problem(const std::string& what, const char* attribute, double delay,
                              double rate, double size, double most) {
   const double count = delay * rate;
@@ -48,6 +53,12 @@ std::optional<Error> problem(const std::string& what, const char* attribute, dou
 
 }  // namespace
 
+std::optional<Error> unusable_latency(const SensorModel& sensor, double step, double values) {
+  if (sensor.latency == 0.0) return std::nullopt;
+  return problem("sensor '" + sensor.name + "'", "latency", sensor.latency, rate_of(sensor, step),
+                 values, kMostValues);
+}
+
 std::vector<UnusableDelay> unusable_delays(const SceneModel& model, double step) {
   std::vector<UnusableDelay> found;
   const double steps = 1.0 / step;
@@ -60,10 +71,8 @@ std::vector<UnusableDelay> unusable_delays(const SceneModel& model, double step)
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     const SensorModel& sensor = model.sensors[i];
-    if (sensor.removed || sensor.latency == 0.0) continue;
-    const double rate = sensor.rate > 0.0 ? std::min(sensor.rate, steps) : steps;
-    if (auto error = problem("sensor '" + sensor.name + "'", "latency", sensor.latency, rate,
-                             values_of(sensor), kMostValues))
+    if (sensor.removed) continue;
+    if (auto error = unusable_latency(sensor, step, values_of(sensor)))
       found.push_back({false, static_cast<int>(i), std::move(*error)});
   }
   return found;

@@ -6,6 +6,7 @@
 #include "cogrsim/core/constants.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "model/diagnose.h"
+#include "sensing/delays.h"
 
 namespace cogrsim {
 
@@ -51,6 +52,12 @@ std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t i
     return refuse(ready.error(), "CG0906");
   }
   slot.channels = std::make_shared<const std::vector<Channel>>(slot.sensor->channels());
+  // How many values a plugin's sensor has is not known before.
+  if (slot.plugin) {
+    const auto late = unusable_latency(description, model.physics.step,
+                                       static_cast<double>(slot.channels->size()));
+    if (late) return refuse(*late, "CG0716");
+  }
   slot.needs = slot.sensor->needs();
   return {};
 }

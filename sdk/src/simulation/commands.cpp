@@ -86,6 +86,7 @@ void Simulation::Impl::apply(Command& command) {
                             },
                             [&](Restart& c) { return restart(c.seed); },
                             [&](ApplyForce& c) { return forces.apply(c, host, clock); },
+                            [&](SetInput& c) { return controllers.set_input(c); },
                             [&](EndRun& c) -> Result<> {
                               // At the end of its step, so that the last events are published.
                               ending = true;

@@ -181,6 +181,10 @@ const Reading& Simulation::reading(int sensor) const {
   return impl_->devices.sensors().reading(static_cast<std::size_t>(sensor));
 }
 
+std::vector<ControllerInputs> Simulation::controller_inputs() const {
+  return impl_->controllers.inputs();
+}
+
 std::vector<ControllerProcess> Simulation::controller_processes() const {
   return impl_->controllers.processes();
 }

@@ -2,7 +2,7 @@
 import { execFileSync } from "node:child_process";
 import { dirname, join } from "node:path";
 import { expect, keep, program, test } from "./harness";
-import { ask, fresh, layout, look, red, row, still, text_of, until } from "./acts";
+import { type Json, ask, fresh, layout, look, red, row, still, text_of, until, write } from "./acts";
 
 const kScene = `<scene name="bench" version="1">
   <physics backend="bullet" step="2 ms" gravity="0 0 -9.81" duration="3600 s"/>
@@ -120,6 +120,55 @@ test("a motor follows its slider, and the run is made again from what was record
   const again = await until(page, "status", (s) => s.state === "paused", "it rests again");
   for (let left = end.step_count - again.step_count; left > 0; left -= 10000) await ask(page, "step", { count: Math.min(left, 10000) });
   await until(page, "status", (s) => s.step_count === end.step_count && s.state_hash === end.state_hash, "the same state");
+});
+
+test("a policy is asked for another speed by slider, number and keys while it walks", async ({ studio, open }) => {
+  const page = await open(await studio("examples/140_trot/walk.scene.xml"));
+  await write(
+    page,
+    `<scene name="walk" version="1">
+  <import href="robots/quadruped/quadruped.scene.xml"/>
+  <physics backend="cogrsim" step="4 ms" duration="3600 s"/>
+  <plane name="ground"/>
+  <assembly name="dog">
+    <instance of="Quadruped" name="robot" controlled="false" servos="true" kp="60" kd="2" imu_rate="250 Hz"/>
+    <pose name="base" on="robot.trunk"/>
+    <controller name="pilot" plugin="policy"><set card="trot.policy.yaml"/></controller>
+  </assembly>
+</scene>
+`,
+  );
+  await layout(page, "Run");
+  await page.getByRole("tab", { name: "Joints", exact: true }).click();
+  const slider = page.getByTestId("input-dog.pilot-forward");
+  await expect(slider).toHaveAttribute("min", "-0.2");
+  await expect(slider).toHaveAttribute("max", "0.5");
+  await expect(slider).toHaveValue("0.4");
+  const has = (wanted: number[]) => (s: Json) =>
+    s.controllers?.[0]?.inputs.every((input: Json, i: number) => Math.abs(input.value - wanted[i]!) < 1e-9);
+
+  await page.getByRole("textbox", { name: "forward of dog.pilot as a number" }).fill("0.2");
+  await page.keyboard.press("Enter");
+  await ask(page, "play");
+  await until(page, "status", has([0.2, 0, 0]), "the number is asked");
+
+  // keys act while the focus is there, and are not those of the view's tools
+  const tool = page.locator("[data-command='handles:rotate']");
+  const before = await tool.getAttribute("aria-pressed");
+  await page.getByTestId("inputs-of-dog.pilot").focus();
+  for (const key of ["w", "w", "d", "e"]) await page.keyboard.press(key);
+  await until(page, "status", has([0.27, -0.02, -0.06]), "keys are asked");
+  expect(await tool.getAttribute("aria-pressed")).toBe(before);
+  await expect(slider).toHaveValue(/^0\.27/);
+  await keep(page, "controller_inputs");
+
+  const box = (await slider.boundingBox())!;
+  await page.mouse.click(box.x + box.width - 2, box.y + box.height / 2);
+  await until(page, "status", (s) => s.controllers[0].inputs[0].value > 0.45, "the slider is asked");
+  await page.getByTestId("inputs-of-dog.pilot").focus();
+  await page.keyboard.press("x");
+  await until(page, "status", has([0, 0, 0]), "all of them are zero");
+  await ask(page, "pause");
 });
 
 test("Alt pulls without the tool, and beside things the camera turns", async () => {

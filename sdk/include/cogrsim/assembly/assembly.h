@@ -54,6 +54,21 @@ class COGRSIM_API MotorHandle {
   int motor_ = -1;
 };
 
+/// Handle of an input: a number that a person or a program sets while the run goes (SetInput, the
+/// studio's sliders). Copies refer to the same input.
+class COGRSIM_API InputHandle {
+ public:
+  InputHandle() = default;
+  /// The present value, within the limits of the input; 0 for a default-constructed handle.
+  double value() const;
+
+ private:
+  friend class Assembly;
+  InputHandle(AssemblyAccess* access, std::size_t input) : access_(access), input_(input) {}
+  AssemblyAccess* access_ = nullptr;
+  std::size_t input_ = 0;
+};
+
 /// Handle of a sensor with access to its latest reading. The typed handles (Encoder, PoseSensor,
 /// Imu, …) derive from it.
 class COGRSIM_API SensorHandle {
@@ -233,6 +248,12 @@ class COGRSIM_API Assembly {
   /// The plan of a maze of the scene by its dotted name; "" selects the only maze. If it does not
   /// exist, the error is collected and the result is nullptr.
   const MazeModel* maze(const std::string& name);
+
+  /// Declares an input of this controller, in configure(). Limits and value are finite, and the value
+  /// within the limits; otherwise, and with more than 64 inputs or a name that is taken, loading fails.
+  /// Inputs are part of snapshots.
+  InputHandle input(const std::string& name, double value, double lower, double upper,
+                    const std::string& unit = {});
 
   /// Sets the value of a declared output (see output() in cogrsim/plugin/descriptor.h). An
   /// undeclared output is a load error in configure() and a fault in update().

@@ -50,6 +50,12 @@ struct ApplyForce {
   bool in_body = false;        ///< the vectors turn with the body; else they are in world axes
   double duration = 0.0;       ///< [s]; 0: one step
 };
+/// Sets an input of a controller, see Assembly::input(). A value outside of its limits is rejected.
+struct SetInput {
+  std::string controller;  ///< dotted name, or that of its assembly
+  std::string input;
+  double value = 0.0;  ///< in the unit of the input
+};
 /// Sets the state of the whole world, see World::set_state().
 struct SetState {
   WorldState state;
@@ -62,7 +68,7 @@ std::variant<Own..., Shared...> joined_variant(std::variant<Shared...>*);
 /// Any of the commands above or any Action.
 using Command =
     decltype(detail::joined_variant<Pause, Resume, StepOnce, SetSpeed, SetStep, Restart,
-                                    AddAssembly, SetKinematicTwist, ApplyForce, SetState>(
+                                    AddAssembly, SetKinematicTwist, ApplyForce, SetInput, SetState>(
         static_cast<Action*>(nullptr)));
 
 }  // namespace cogrsim

@@ -15,9 +15,9 @@ inline std::size_t bytes_of(const Frame& frame) {
   const WorldState& state = frame.state;
   std::size_t bytes = sizeof(Frame) + of(state.poses) + of(state.twists) +
                       of(state.joint_positions) + of(state.joint_velocities) +
-                      of(state.joint_efforts) + of(state.motor_efforts) + of(frame.accelerations) +
-                      of(frame.contacts) + of(frame.joint_reactions) + of(frame.readings) +
-                      of(frame.events) + of(frame.controller_outputs) +
+                      of(state.joint_efforts) + of(state.motor_efforts) + of(frame.motor_targets) +
+                      of(frame.accelerations) + of(frame.contacts) + of(frame.joint_reactions) +
+                      of(frame.readings) + of(frame.events) + of(frame.controller_outputs) +
                       of(frame.supervisor_outputs);
   for (const Reading& reading : frame.readings) bytes += of(reading.values) + of(reading.contacts);
   for (const auto* outputs : {&frame.controller_outputs, &frame.supervisor_outputs})

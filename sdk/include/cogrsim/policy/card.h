@@ -98,8 +98,10 @@ struct COGRSIM_API PolicyCard {
   std::optional<std::pair<double, double>> clip;  ///< of all observations
   PolicyActions actions;
   std::vector<double> command;  ///< at the start of a run; three numbers by default
-  double fallen_height = 0.0;   ///< of the base, below which the robot counts as fallen [m]
-  double fallen_tilt = 1.0;     ///< of the base's z axis from the vertical, likewise [rad]
+  /// Within which the command may be changed in a run; empty: not at all.
+  std::vector<std::pair<double, double>> command_limits;
+  double fallen_height = 0.0;  ///< of the base, below which the robot counts as fallen [m]
+  double fallen_tilt = 1.0;    ///< of the base's z axis from the vertical, likewise [rad]
   /// Where the card has what it names: by key, "joints.3" for the entries of a list.
   std::map<std::string, SourcePosition> places;
   std::string text;  ///< of the file

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/assembly/input.h"
 #include "cogrsim/control/command.h"
 #include "cogrsim/physics/backend.h"
 #include "cogrsim/physics/frame.h"
@@ -162,6 +163,10 @@ class COGRSIM_API Simulation {
   /// The controllers of the present model, for a debugger. Must be called between steps by the thread
   /// that steps.
   std::vector<ControllerProcess> controller_processes() const;
+
+  /// The controllers that have inputs, with their present values. Must be called between steps by the
+  /// thread that steps.
+  std::vector<ControllerInputs> controller_inputs() const;
 
   /// The reading that controllers now get from a sensor, by its index.
   const Reading& reading(int sensor) const;

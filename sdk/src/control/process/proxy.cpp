@@ -75,6 +75,30 @@ void get_contacts(WireReader& in, std::vector<Contact>& contacts) {
   }
 }
 
+// After the call in which they were declared, and not again: an empty list says nothing.
+void put_inputs(WireWriter& out, const std::vector<ControllerInput>& inputs) {
+  out.put(static_cast<std::uint64_t>(inputs.size()));
+  for (const ControllerInput& input : inputs) {
+    out.put(input.name);
+    out.put(input.unit);
+    for (const double value : {input.lower, input.upper, input.value}) out.put(value);
+  }
+}
+
+// False: a controller could not have declared them.
+bool take_inputs(WireReader& in, std::vector<ControllerInput>& inputs) {
+  const std::size_t count = in.length(2 * sizeof(std::uint64_t) + 3 * sizeof(double));
+  for (std::size_t i = 0; i < count && in.good(); ++i) {
+    ControllerInput input;
+    in.get(input.name);
+    in.get(input.unit);
+    for (double* value : {&input.lower, &input.upper, &input.value}) in.get(*value);
+    if (!in.good() || !input_mistake(inputs, input).empty()) return false;
+    inputs.push_back(std::move(input));
+  }
+  return true;
+}
+
 }  // namespace
 
 DeviceIndices::DeviceIndices(const SceneModel& model, int assembly)
@@ -121,6 +145,9 @@ void ProxyWriter::put_state(WireWriter& out) {
   DevicePort& port = *access_.port;
   out.put(access_.random->state());
   out.put(access_.outputs);
+  std::vector<double> inputs;
+  for (const ControllerInput& input : access_.inputs) inputs.push_back(input.value);
+  out.put(inputs);
   for (const int motor : devices_.motors) {
     out.put(port.target(motor));
     out.put(port.effort(motor));
@@ -158,12 +185,12 @@ bool ProxyWriter::take_effects(WireReader& in) {
     set[i] = in.take<bool>();
   }
   struct Switch {
-    bool enabled = false, valid = false;
+    bool enabled = false, was_off = false;
   };
   std::vector<Switch> switches(devices_.sensors.size());
   for (Switch& one : switches) {
     in.get(one.enabled);
-    in.get(one.valid);
+    in.get(one.was_off);
   }
   std::vector<int> asked;
   std::vector<std::string> sources, reports, mistakes;
@@ -173,8 +200,10 @@ bool ProxyWriter::take_effects(WireReader& in) {
   in.get(reports);
   in.get(mistakes);
   in.get(fault);
+  std::vector<ControllerInput> inputs;
   const bool fits =
-      in.good() && outputs.size() == access_.outputs.size() && sources.size() == reports.size() &&
+      take_inputs(in, inputs) && in.good() && outputs.size() == access_.outputs.size() &&
+      sources.size() == reports.size() &&
       std::all_of(targets.begin(), targets.end(), [](double t) { return std::isfinite(t); }) &&
       std::all_of(asked.begin(), asked.end(), [&](int motor) {
         return std::binary_search(devices_.motors.begin(), devices_.motors.end(), motor);
@@ -189,15 +218,16 @@ bool ProxyWriter::take_effects(WireReader& in) {
   }
   for (std::size_t i = 0; i < switches.size(); ++i) {
     const int sensor = devices_.sensors[i];
-    const Reading& reading = port.reading(sensor);
-    // Switching the sensor off and on again makes the reading invalid.
-    if (reading.valid && !switches[i].valid) port.enable(sensor, false);
-    if (reading.enabled != switches[i].enabled) port.enable(sensor, switches[i].enabled);
+    // Off and on again ends the reading, and those that are on their way.
+    if (switches[i].was_off) port.enable(sensor, false);
+    if (port.reading(sensor).enabled != switches[i].enabled)
+      port.enable(sensor, switches[i].enabled);
   }
   access_.motors = std::move(asked);
   for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
+  if (access_.inputs.empty()) access_.inputs = std::move(inputs);
   return true;
 }
 
@@ -209,7 +239,9 @@ void RemoteDevices::set_target(int motor, double target) {
 void RemoteDevices::enable(int sensor, bool on) {
   Reading& reading = readings_[at(sensor)];
   reading.enabled = on;
-  if (!on) reading.valid = false;
+  if (on) return;
+  reading.valid = false;
+  was_off_[at(sensor)] = true;
 }
 
 void RemoteDevices::report(const std::string& source, const std::string& message) {
@@ -232,6 +264,7 @@ void RemoteDevices::take_scene(WireReader& in) {
   motors_.resize(model_->motors.size());
   for (MotorCopy& motor : motors_) motor = {motor.target};  // removed motors have no state
   readings_.assign(model_->sensors.size(), Reading());
+  was_off_.assign(readings_.size(), false);
   for (std::size_t i = 0; i < readings_.size(); ++i) readings_[i].sensor = static_cast<int>(i);
   fresh_ = true;
 }
@@ -264,6 +297,10 @@ void RemoteDevices::take_state(WireReader& in, AssemblyAccess& access) {
   }
   access.random->set_state(in.take<std::uint64_t>());
   in.get(access.outputs);
+  std::vector<double> inputs;
+  in.get(inputs);
+  for (std::size_t i = 0; i < inputs.size() && i < access.inputs.size(); ++i)
+    access.inputs[i].value = inputs[i];
   for (const int index : devices_.motors) {
     MotorCopy& motor = motors_[at(index)];
     for (double* value : {&motor.target, &motor.effort, &motor.position, &motor.velocity}) {
@@ -283,13 +320,16 @@ void RemoteDevices::put_effects(WireWriter& out, AssemblyAccess& access) {
   }
   for (const int sensor : devices_.sensors) {
     out.put(reading(sensor).enabled);
-    out.put(reading(sensor).valid);
+    out.put(static_cast<bool>(was_off_[at(sensor)]));
+    was_off_[at(sensor)] = false;
   }
   out.put(access.motors);
   out.put(std::exchange(sources_, {}));
   out.put(std::exchange(reports_, {}));
   out.put(std::exchange(access.mistakes, {}));
   out.put(std::exchange(access.fault, std::nullopt));
+  const bool more = std::exchange(declared_, access.inputs.size()) != access.inputs.size();
+  put_inputs(out, more ? access.inputs : std::vector<ControllerInput>());
 }
 
 }  // namespace cogrsim

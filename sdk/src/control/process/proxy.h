@@ -89,7 +89,9 @@ class RemoteDevices final : public DevicePort {
   SceneModelPtr model_, original_;
   std::vector<MotorCopy> motors_;
   std::vector<Reading> readings_;
+  std::vector<bool> was_off_;                   // sensors, in the current call
   std::vector<std::string> sources_, reports_;  // messages of the current call
+  std::size_t declared_ = 0;                    // inputs that the simulation knows
   bool fresh_ = false;                          // a scene was received after the last state
   DeviceIndices devices_;
   std::vector<std::shared_ptr<const Picture>> pictures_;  // last received, by sensor of devices_

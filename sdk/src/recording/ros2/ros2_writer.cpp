@@ -81,6 +81,7 @@ struct Ros2Writer::Impl {
   std::set<std::string> left_out;
   SceneModelPtr model;
   std::vector<std::uint64_t> sequences;  // of the readings written last
+  std::uint64_t late = 0;                // from the stamp of a message to when it is there [ns]
 
   std::uint16_t channel(const std::string& topic, const std::string& type);
   template <class Fill>
@@ -117,7 +118,7 @@ std::uint16_t Ros2Writer::Impl::channel(const std::string& topic, const std::str
 template <class Fill>
 void Ros2Writer::Impl::put(const std::string& topic, const std::string& type, std::uint64_t time,
                            Fill&& fill) {
-  mcap.message(channel(topic, type), counts[topic]++, time, [&](std::string& out) {
+  mcap.message(channel(topic, type), counts[topic]++, time + late, [&](std::string& out) {
     // The first bytes of a message decide where its numbers stand.
     Cdr cdr(out);
     fill(cdr);
@@ -288,6 +289,7 @@ void Ros2Writer::Impl::picture(const Frame& frame, const SensorModel& sensor,
 void Ros2Writer::Impl::reading(const Frame& frame, const SensorModel& sensor,
                                const Reading& reading) {
   const std::uint64_t time = nanoseconds(reading.time);
+  late = nanoseconds(sensor.latency);
   if (sensor.type == "pose") {
     odometry(sensor, reading, time);
   } else if (sensor.type == "imu") {
@@ -303,6 +305,7 @@ void Ros2Writer::Impl::reading(const Frame& frame, const SensorModel& sensor,
   } else {
     left_out.insert(fmt::format("sensor '{}' ({})", sensor.name, sensor.type));
   }
+  late = 0;
 }
 
 Result<std::unique_ptr<Ros2Writer>> Ros2Writer::create(const std::string& path,

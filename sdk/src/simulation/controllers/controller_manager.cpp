@@ -1,5 +1,9 @@
 #include "simulation/controllers/controller_manager.h"
 
+#include <fmt/format.h>
+
+#include "simulation/find_named.h"
+
 namespace cogrsim {
 
 std::vector<Diagnostic> ControllerManager::build(std::size_t first) {
@@ -81,6 +85,38 @@ std::vector<ControllerProcess> ControllerManager::processes() const {
   return out;
 }
 
+std::vector<ControllerInputs> ControllerManager::inputs() const {
+  std::vector<ControllerInputs> out;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const ControllerModel& description = host_.model()->controllers[i];
+    if (description.removed || !slots_[i].access || slots_[i].access->inputs.empty()) continue;
+    out.push_back({description.name, slots_[i].access->inputs});
+  }
+  return out;
+}
+
+Result<> ControllerManager::set_input(const SetInput& command) {
+  const auto found = find_controller(*host_.model(), command.controller);
+  if (!found) return tl::unexpected(found.error());
+  const std::string& name = host_.model()->controllers[*found].name;
+  if (!slots_[*found].access) return fail("controller '" + name + "' never ran");
+  std::vector<std::string> names;
+  for (ControllerInput& input : slots_[*found].access->inputs) {
+    names.push_back(input.name);
+    if (input.name != command.input) continue;
+    if (!(command.value >= input.lower && command.value <= input.upper))
+      return fail(fmt::format("input '{}' of '{}': {} is not from {} to {}", input.name, name,
+                              command.value, input.lower, input.upper));
+    input.value = command.value;
+    return {};
+  }
+  const std::string near = nearest_name(command.input, names);
+  return fail("controller '" + name + "' has no input '" + command.input + "'", "",
+              names.empty()  ? "it has none"
+              : near.empty() ? ""
+                             : "did you mean '" + near + "'?");
+}
+
 bool ControllerManager::update() {
   const SceneModel& model = *host_.model();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
@@ -118,6 +154,7 @@ std::vector<HostedState> ControllerManager::save() const {
     if (!slot.access) continue;
     state.random = slot.access->random->state();
     state.outputs = slot.access->outputs;
+    state.inputs = slot.access->inputs;
   }
   return saved;
 }
@@ -128,6 +165,7 @@ void ControllerManager::restore(const std::vector<HostedState>& saved) {
     if (!slots_[i].access) continue;
     slots_[i].access->random->set_state(saved[i].random);
     slots_[i].access->outputs = saved[i].outputs;
+    carry_inputs(saved[i].inputs, slots_[i].access->inputs);
   }
 }
 

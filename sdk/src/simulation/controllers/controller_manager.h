@@ -30,6 +30,9 @@ struct ControllerSlot {
   }
 };
 
+/// Index of the controller with this name, or of the only controller of the assembly with this name.
+Result<std::size_t> find_controller(const SceneModel& model, const std::string& name);
+
 class ControllerManager {
  public:
   /// `isolation` is that of controllers that do not set it. The other arguments must outlive this
@@ -62,6 +65,10 @@ class ControllerManager {
 
   /// See Simulation::controller_processes().
   std::vector<ControllerProcess> processes() const;
+
+  /// See Simulation::controller_inputs().
+  std::vector<ControllerInputs> inputs() const;
+  Result<> set_input(const SetInput& command);
 
   /// The published outputs, as in Frame::controller_outputs.
   void copy_outputs(std::vector<std::vector<double>>& out) const;

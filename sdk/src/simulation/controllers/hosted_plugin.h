@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cogrsim/assembly/input.h"
 #include "cogrsim/core/diagnostic.h"
 #include "cogrsim/core/random.h"
 #include "cogrsim/physics/frame.h"
@@ -32,7 +33,8 @@ struct HostedState {
   ControllerClock clock;
   std::uint64_t random = 0;
   std::vector<double> outputs;
-  std::vector<Event> events;  ///< of a supervisor: since its last update
+  std::vector<Event> events;                 ///< of a supervisor: since its last update
+  std::vector<ControllerInput> inputs = {};  ///< of a controller
 };
 
 /// Fills in the outputs of the controllers and supervisors that their plugins declare.

@@ -6,10 +6,6 @@
 
 namespace cogrsim {
 
-namespace {
-
-/// Index of the controller with this name, or of the only controller of the assembly with this
-/// name.
 Result<std::size_t> find_controller(const SceneModel& model, const std::string& name) {
   std::vector<std::string> names, of_assembly;
   std::size_t last = 0;
@@ -38,6 +34,8 @@ Result<std::size_t> find_controller(const SceneModel& model, const std::string& 
               : names.empty() ? "the scene has none"
                               : "there are " + list);
 }
+
+namespace {
 
 bool same_outputs(const std::vector<PluginOutput>& a, const std::vector<PluginOutput>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -80,6 +78,7 @@ std::optional<std::string> ControllerManager::transfer_state(const ControllerSlo
   devices_.restore(before);
   fresh.access->random->set_state(old.access->random->state());
   fresh.access->outputs = old.access->outputs;
+  carry_inputs(old.access->inputs, fresh.access->inputs);
   done.memory_kept = true;
   return std::nullopt;
 }

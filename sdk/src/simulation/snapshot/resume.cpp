@@ -32,6 +32,7 @@ class Resumption {
     }
     sensors();
     const SceneModel& model = to_.model();
+    inputs();
     hosted("controller", content_.at("controllers"), model.controllers, to_.controllers.slots());
     hosted("supervisor", content_.at("supervisors"), model.supervisors, to_.supervisors.slots());
     to_.events.update_model(to_.host.model());  // a door that the file lacks is at its start
@@ -304,6 +305,21 @@ class Resumption {
     note_elements("saves no state for snapshots and restarts: " + kind,
                   "save no state for snapshots and restart: " + kind + "s", forgetful);
     note_missing(kind, kind + "s", then, names);
+  }
+
+  /// That controllers declare again; older files have none.
+  void inputs() {
+    const Json& then = content_.at("controllers");
+    const auto& models = to_.model().controllers;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const auto& access = to_.controllers.slots()[i].access;
+      if (models[i].removed || !access || !then.contains(models[i].name)) continue;
+      const Json saved = then.at(models[i].name).value("inputs", Json::object());
+      std::vector<ControllerInput> had;
+      for (const auto& [name, value] : saved.items())
+        had.push_back({name, {}, 0.0, 0.0, number_from(value)});
+      carry_inputs(had, access->inputs);
+    }
   }
 
   /// Those of commands.

@@ -1,7 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Scene } from "../core/protocol";
-import { carriedBy, commandersOf, jointRange, motorRange, movedBy, positionText, shortNumber } from "./mechanism";
+import {
+  carriedBy,
+  commandersOf,
+  inputsByKey,
+  jointRange,
+  motorRange,
+  movedBy,
+  positionText,
+  shortNumber,
+} from "./mechanism";
 
 const body = (name: string, x: number) => ({ name, kind: "dynamic", pose: [x, 0, 0, 1, 0, 0, 0], assembly: 0 });
 const hinge = (parent: number, child: number, at: [number, number], more = {}) => ({
@@ -57,6 +66,19 @@ test("ranges are those of the scene, or wide enough", () => {
   const motor = { name: "m", joint: 0, element: 1, unit: "V", low: -6, high: 6 };
   assert.deepEqual(motorRange(motor), { low: -6, high: 6, stated: true });
   assert.deepEqual(commandersOf(arm, motor), ["bot.pilot"]);
+});
+
+test("keys raise and lower inputs, within their limits", () => {
+  const inputs = [
+    { name: "forward", unit: "m/s", lower: -1, upper: 1, value: 0 },
+    { name: "height", unit: "m", lower: 0.5, upper: 2.5, value: 1 },
+  ];
+  near(inputsByKey("KeyW", inputs, [0, 1]), [0.1, 1]);
+  near(inputsByKey("KeyS", inputs, [-0.95, 1]), [-1, 1]);
+  near(inputsByKey("KeyD", inputs, [0, 1]), [0, 0.9]);
+  near(inputsByKey("KeyX", inputs, [0.7, 1]), [0, 0.5]);
+  assert.deepEqual(inputsByKey("KeyQ", inputs, [0, 1]), [], "there is no third one");
+  assert.deepEqual(inputsByKey("KeyP", inputs, [0, 1]), []);
 });
 
 test("numbers as one writes and reads them", () => {

@@ -1,5 +1,5 @@
 // How a joint moves what hangs on it, and what is shown of joints and motors: plain logic.
-import type { FrameJoint, Pose, Scene, SceneJoint, SceneMotor, TreeElement } from "../core/protocol";
+import type { ControllerInput, FrameJoint, Pose, Scene, SceneJoint, SceneMotor, TreeElement } from "../core/protocol";
 import { compose, inverse, poseAt } from "../view3d/pose";
 
 /** Joints of one coordinate: those with a slider. */
@@ -119,6 +119,28 @@ export function drivenValue(motor: SceneMotor, joint: FrameJoint | undefined): {
   const list = places ? joint?.position : joint?.speed;
   const unit = places ? (motor.turns ? "rad" : "m") : motor.turns ? "rad/s" : "m/s";
   return { value: list?.[axis] ?? null, unit };
+}
+
+/** Keys that raise and lower the inputs of a controller, in their order, as letters are on a keyboard: those of games. */
+export const kInputKeys: readonly (readonly [string, string])[] = [
+  ["KeyW", "KeyS"],
+  ["KeyA", "KeyD"],
+  ["KeyQ", "KeyE"],
+];
+/** Takes all of them to what is nearest to zero. */
+export const kZeroKey = "KeyX";
+/** So many presses go from one end to the other. */
+const kPresses = 20;
+
+/** What the inputs of a controller become by a key; empty: it is none of theirs. */
+export function inputsByKey(code: string, inputs: readonly ControllerInput[], values: readonly number[]): number[] {
+  const within = (input: ControllerInput, value: number) => Math.min(Math.max(value, input.lower), input.upper);
+  if (code === kZeroKey) return inputs.map((input) => within(input, 0));
+  const index = kInputKeys.findIndex((keys) => keys.includes(code));
+  const input = inputs[index];
+  if (!input) return [];
+  const step = ((input.upper - input.lower) / kPresses) * (kInputKeys[index]![0] === code ? 1 : -1);
+  return values.map((value, i) => (i === index ? within(input, value + step) : value));
 }
 
 /** Controllers that may command a motor: of an assembly that the joint's bodies are in. */

@@ -1,12 +1,16 @@
 // What a person does in the run with joints and motors.
-import { computed, effect, signal } from "@preact/signals-core";
+import { computed, effect, signal, type Signal } from "@preact/signals-core";
 import { isClosed, messageOf } from "../core/link";
+import type { ControllerInput } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import { preview } from "../view3d/settings";
 import { jointRows, movedBy, positionText, type JointRow } from "./mechanism";
 
 /** How long a change that the server took is shown before its scene comes [ms]. */
 const kPatience = 3000;
+
+/** Names have no line ends. */
+const inputKey = (controller: string, input: string) => `${controller}\n${input}`;
 
 export class HandStore {
   /** Targets that were set by hand in this run, by the motor's name. */
@@ -26,7 +30,9 @@ export class HandStore {
     const scene = this.studio.state.scene.value;
     return scene ? jointRows(scene) : [];
   });
-  /** Targets on their way: one request at a time for each motor, the newest waits. */
+  /** Inputs of controllers that were set here and are not in the status yet, by inputKey(). */
+  readonly asked = signal<ReadonlyMap<string, number>>(new Map());
+  /** Targets and inputs on their way: one request at a time for each, the newest waits. */
   private readonly waiting = new Map<string, number>();
   private readonly sending = new Set<string>();
   private readonly stops: (() => void)[];
@@ -46,10 +52,23 @@ export class HandStore {
         // between two statuses may have as many steps, but not as many inputs
         const steps = state.status.value?.step_count ?? 0;
         const inputs = state.status.value?.inputs ?? 0;
-        if (steps < before || inputs < given) this.targets.value = new Map();
+        if (steps < before || inputs < given) {
+          this.targets.value = new Map();
+          this.asked.value = new Map();
+        }
         before = steps;
         given = inputs;
         if (inputs > 0) this.any.value = true;
+      }),
+      effect(() => {
+        const asked = this.asked.peek();
+        const has = new Map<string, number>();
+        for (const { controller, inputs } of state.status.value?.controllers ?? [])
+          for (const { name, value } of inputs) has.set(inputKey(controller, name), value);
+        const left = [...asked].filter(
+          ([key, value]) => has.has(key) && (this.sending.has(key) || has.get(key) !== value),
+        );
+        if (left.length < asked.size) this.asked.value = new Map(left);
       }),
       effect(() => {
         const now = state.scene.value?.scene ?? -1;
@@ -67,25 +86,50 @@ export class HandStore {
     const next = new Map(this.targets.peek());
     next.set(name, target);
     this.targets.value = next;
-    this.waiting.set(name, target);
-    if (!this.sending.has(name)) void this.send(name);
+    void this.send(name, target, this.targets, async (value) => {
+      return (await this.studio.link.request("motor", { motor: name, target: value })).target;
+    });
   }
-  private async send(name: string): Promise<void> {
-    this.sending.add(name);
+
+  /** What a controller is asked for from now on. */
+  setInput(controller: string, input: ControllerInput, value: number): void {
+    const key = inputKey(controller, input.name);
+    const limited = Math.min(Math.max(value, input.lower), input.upper);
+    this.asked.value = new Map(this.asked.peek()).set(key, limited);
+    void this.send(key, limited, this.asked, async (now) => {
+      return (await this.studio.link.request("input", { controller, input: input.name, value: now })).value;
+    });
+  }
+  inputValue(controller: string, input: ControllerInput): number {
+    return this.asked.value.get(inputKey(controller, input.name)) ?? input.value;
+  }
+
+  /** Sends what is wanted of `key`, and shows in `shown` what the server made of it. */
+  private async send(
+    key: string,
+    wanted: number,
+    shown: Signal<ReadonlyMap<string, number>>,
+    request: (value: number) => Promise<number>,
+  ): Promise<void> {
+    this.waiting.set(key, wanted);
+    if (this.sending.has(key)) return;
+    this.sending.add(key);
     try {
-      for (let target = this.waiting.get(name); target !== undefined; target = this.waiting.get(name)) {
-        this.waiting.delete(name);
-        const answer = await this.studio.link.request("motor", { motor: name, target });
-        if (answer.target === target || this.waiting.has(name)) continue;
-        const next = new Map(this.targets.peek());
-        next.set(name, answer.target);
-        this.targets.value = next;
+      for (let value = this.waiting.get(key); value !== undefined; value = this.waiting.get(key)) {
+        this.waiting.delete(key);
+        const taken = await request(value);
+        if (taken === value || this.waiting.has(key)) continue;
+        shown.value = new Map(shown.peek()).set(key, taken);
       }
     } catch (error) {
-      this.waiting.delete(name);
+      this.waiting.delete(key);
+      // it is not as it was asked to be
+      const next = new Map(shown.peek());
+      next.delete(key);
+      shown.value = next;
       if (!isClosed(error)) this.studio.notify(messageOf(error), "error");
     } finally {
-      this.sending.delete(name);
+      this.sending.delete(key);
     }
   }
 

@@ -3,12 +3,14 @@ import "@preact/signals";
 import { effect } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { FrameTail, SceneMotor } from "../core/protocol";
+import type { ControllerInputs, FrameTail, SceneMotor } from "../core/protocol";
 import {
   commandersOf,
   drivenValue,
+  inputsByKey,
   jointRange,
   jointUnit,
+  kInputKeys,
   motorRange,
   shortNumber,
   shownIn,
@@ -208,13 +210,60 @@ function MotorLine({ store, motor, index }: { store: HandStore; motor: SceneMoto
   );
 }
 
+function InputLines({ store, of }: { store: HandStore; of: ControllerInputs }): JSX.Element {
+  const { controller, inputs } = of;
+  const reason = !store.mayDrive.value ? "only the operator of a live run asks controllers for anything" : "";
+  const values = inputs.map((input) => store.inputValue(controller, input));
+  const onKeyDown = (event: KeyboardEvent) => {
+    const typing = event.target instanceof HTMLInputElement && event.target.type === "text";
+    if (typing || reason || event.ctrlKey || event.metaKey || event.altKey) return;
+    const next = inputsByKey(event.code, inputs, values);
+    if (next.length === 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    inputs.forEach((input, i) => next[i] !== values[i] && store.setInput(controller, input, next[i]!));
+  };
+  const keys = kInputKeys.slice(0, inputs.length).map((pair) => pair.map((code) => code.slice(-1)).join(" "));
+  return (
+    <section
+      class="cg-hands-inputs"
+      aria-label={`Inputs of ${controller}`}
+      tabIndex={0}
+      data-own-letters
+      data-testid={`inputs-of-${controller}`}
+      onKeyDown={onKeyDown}
+    >
+      <h2>{controller}</h2>
+      <p class="cg-muted">Keys, while the focus is here: {keys.join(", ")} for more and less, X for zero.</p>
+      <ul>
+        {inputs.map((input, i) => (
+          <li key={input.name}>
+            <span class="cg-hands-name">{input.name}</span>
+            <Slide
+              label={`${input.name} of ${controller}`}
+              range={{ low: input.lower, high: input.upper, stated: true }}
+              unit={input.unit}
+              value={values[i]!}
+              reason={reason}
+              testid={`input-${controller}-${input.name}`}
+              onSlide={(value) => store.setInput(controller, input, value)}
+              onSet={(value) => store.setInput(controller, input, value)}
+            />
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
 export function HandsView({ store }: { store: HandStore }): JSX.Element {
   const scene = store.studio.state.scene.value;
   const rows = store.joints.value;
   const motors = scene?.motors.map((motor, index) => ({ motor, index })).filter(({ motor }) => !motor.removed) ?? [];
   const commanders = scene ? [...new Set(motors.flatMap(({ motor }) => commandersOf(scene, motor)))] : [];
   const { commands } = store.studio;
-  if (!scene || (rows.length === 0 && motors.length === 0))
+  const controllers = store.studio.state.status.value?.controllers ?? [];
+  if (!scene || (rows.length === 0 && motors.length === 0 && controllers.length === 0))
     return <p class="cg-muted cg-hands-none">The scene has no joints with one axis, and no motors.</p>;
   return (
     <>
@@ -234,6 +283,9 @@ export function HandsView({ store }: { store: HandStore }): JSX.Element {
       </div>
       {/* scrolled by keys, too */}
       <div class="cg-hands-lists" tabIndex={0} role="group" aria-label="Joints and motors">
+        {controllers.map((of) => (
+          <InputLines key={of.controller} store={store} of={of} />
+        ))}
         {motors.length > 0 && (
           <section aria-label="Motors">
             <h2>Motors</h2>

@@ -83,6 +83,13 @@ function surroundings(target: EventTarget | null): Surroundings {
   return target.closest(control) ? "control" : "page";
 }
 
+/** A letter where the focus is in an element that has letters of its own: marked with data-own-letters. */
+function isOwnLetter({ target, key, ctrlKey, metaKey }: KeyboardEvent): boolean {
+  return (
+    /^[a-z]$/i.test(key) && !ctrlKey && !metaKey && target instanceof Element && !!target.closest("[data-own-letters]")
+  );
+}
+
 /** How the event is written in kKeys; several notations where keyboards differ. */
 export function namesOf(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string[] {
   if (event.altKey) return [];
@@ -131,6 +138,7 @@ export function listen(commands: CommandRegistry, on: Document): void {
       if (event.defaultPrevented || event.isComposing) return;
       // dialogs handle all keys themselves
       if (event.target instanceof Element && event.target.closest("[aria-modal='true']")) return;
+      if (isOwnLetter(event)) return;
       const command = commandOf(event);
       if (!command || !commands.hasCommand(command)) return;
       if (!mayFire(command, event.key, surroundings(event.target))) return;
