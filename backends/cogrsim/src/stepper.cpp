@@ -24,9 +24,9 @@ constexpr double kMostTravel = 10.0, kLeastTravel = 1e-5;
 bool is_free(const Mechanism& mechanism, const Component& c) {
   for (std::size_t i = 0; i < c.links.size(); ++i) {
     const PlannedLink& plan = mechanism.links()[std::size_t(c.links[i])].plan;
-    if ((c.inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
+    if ((c.linkage->inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
   }
-  for (const Weld& weld : c.welds)
+  for (const Weld& weld : c.linkage->welds)
     if (c.find(weld.primary) < 0) return false;
   return true;
 }
@@ -316,7 +316,7 @@ void Stepper::runge_kutta(double h, bool have_first) {
 }
 
 bool Stepper::disagree(const Component& c, double h) const {
-  if (c.welds.empty()) return false;
+  if (!c.has_loops()) return false;
   double middle = 0.0, ends = 0.0, size = 0.0, speed = 0.0;
   for (int u : c.speeds) {
     const double a = k_[0][u], b = k_[1][u], d = k_[2][u], e = k_[3][u];
@@ -393,11 +393,11 @@ double Stepper::allowed_share(const Component& c, double h, double gained) const
     const Link& link = mechanism_.links()[index];
     const LinkMotion& motion = mechanism_.motions()[index];
     Spatial& move = moves[i];
-    if (c.inboard[i] >= 0) move = moves[std::size_t(c.inboard[i])];
-    for (int k = c.first[i]; k < c.first[i] + link.nu; ++k) {
+    if (c.linkage->inboard[i] >= 0) move = moves[std::size_t(c.linkage->inboard[i])];
+    for (int k = c.linkage->first[i]; k < c.linkage->first[i] + link.nu; ++k) {
       const double d = displacement_[std::size_t(c.speeds[std::size_t(k)])];
-      move.angular += d * c.motion[std::size_t(k)].angular;
-      move.linear += d * c.motion[std::size_t(k)].linear;
+      move.angular += d * c.linkage->motion[std::size_t(k)].angular;
+      move.linear += d * c.linkage->motion[std::size_t(k)].linear;
     }
     const Placement& X = motion.X;
     const Vec3 com = X * link.com;

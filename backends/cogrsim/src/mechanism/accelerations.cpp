@@ -37,7 +37,7 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
       double& x = local_[std::size_t(k)];
       x = efforts_[c.speeds[std::size_t(k)]] - x;
     }
-    const bool factored = with_rows || !c.welds.empty();
+    const bool factored = with_rows || c.has_loops();
     if (c.size() > (factored ? kLargestFactored : kLargestDense)) {
       solve_mass_recursively(c, local_.data());
     } else {
@@ -51,10 +51,10 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
 void Accelerations::close(const Middle* middle, Values& udot) {
   Mechanism& m = mechanism_;
   for (Component& c : m.components()) {
-    if (c.welds.empty() || c.asleep) continue;
+    if (!c.has_loops() || c.asleep) continue;
     update_component(m, c);
     const std::size_t size = std::size_t(c.size());
-    wanted_.resize(6 * c.welds.size());
+    wanted_.resize(6 * c.linkage->welds.size());
     if (middle) {
       // G (u0 + h / 2 udot) = 0, where G u0 is what is found here less h / 2 of what led here.
       find_loop_speeds(m, c, wanted_.data());
