@@ -107,7 +107,7 @@ bool Stepper::build_rows(double h) {
   context_.h = h;
   context_.bounce_threshold = model_.physics.bounce_threshold;
   context_.u = mechanism_.state.u().data();
-  context_.start_udot = start_udot_.data();
+  context_.start_udot = start_udot_->data();
   // With loops udot_ is found once more before the contacts' rows are made.
   if (mechanism_.has_loops()) row_udot_ = udot_;
   context_.udot = (mechanism_.has_loops() ? row_udot_ : udot_).data();
@@ -207,7 +207,7 @@ void Stepper::move(double h) {
   Mechanism& m = mechanism_;
   q0_ = m.state.q();
   u0_ = m.state.u();
-  m.calc_qdot(qdot0_);
+  m.calc_qdot(qk_[0]);
   classify_laws(m, *drives_, h, laws_);
   contacts_.measure_speeds(h);
   measure_momenta(false);
@@ -216,16 +216,11 @@ void Stepper::move(double h) {
   // the last step where contact was on then, so that steps with contact cost one evaluation.
   const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
   accelerations_.with_rows = remembered;
-  if (remembered) {
-    start_udot_ = memory.udot;
-  } else {
-    accelerations_.compute(laws_, start_udot_);
-    k_[0] = start_udot_;
-  }
-  qm_ = q0_ + (0.5 * h) * qdot0_;
-  um_ = u0_ + (0.5 * h) * start_udot_;
-  set(qm_, um_);
-  const Accelerations::Middle middle{h, &start_udot_};
+  if (!remembered) accelerations_.compute(laws_, k_[0]);
+  start_udot_ = remembered ? &memory.udot : &k_[0];
+  m.state.change_q() = q0_ + (0.5 * h) * qk_[0];
+  m.state.change_u() = u0_ + (0.5 * h) * *start_udot_;
+  const Accelerations::Middle middle{h, start_udot_};
   const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
   accelerations_.compute(laws_, udot_, smooth ? nullptr : &middle);
   contacts_.detect(h, memory.contacts);
@@ -282,7 +277,6 @@ void Stepper::runge_kutta(double h, bool have_first) {
   };
   EffortSums before;
   if (m.has_loops()) before = impulses;
-  qk_[0] = qdot0_;
   if (have_first) {
     k_[1] = udot_;
     m.calc_qdot(qk_[1]);
@@ -337,7 +331,7 @@ void Stepper::pass_singular(double h, const EffortSums& efforts) {
   // um = P(qm) (u0 + h / 2 a) with `a` at the start, the loops ignored: P never enlarges it.
   set(q0_, u0_);
   accelerations_.compute_open(laws_, k_[0]);
-  displaced_ = q0_ + (0.5 * h) * qdot0_;
+  displaced_ = q0_ + (0.5 * h) * qk_[0];
   stage_ = u0_ + (0.5 * h) * k_[0];
   set(displaced_, stage_);
   m.project_speeds();
@@ -376,7 +370,7 @@ void Stepper::limit_displacements(double h, Island& island) {
     if (gained < 0.0) continue;
     limited = true;
     const double share = allowed_share(*c, h, gained);
-    for (const int u : c->speeds) displacement_[std::size_t(u)] *= share;
+    for (const int u : c->speeds) displacement_[u] *= share;
   }
   if (limited) island.measure_gap_changes(displacement_.data());
 }
@@ -395,7 +389,7 @@ double Stepper::allowed_share(const Component& c, double h, double gained) const
     Spatial& move = moves[i];
     if (c.linkage->inboard[i] >= 0) move = moves[std::size_t(c.linkage->inboard[i])];
     for (int k = c.linkage->first[i]; k < c.linkage->first[i] + link.nu; ++k) {
-      const double d = displacement_[std::size_t(c.speeds[std::size_t(k)])];
+      const double d = displacement_[c.speeds[std::size_t(k)]];
       move.angular += d * c.linkage->motion[std::size_t(k)].angular;
       move.linear += d * c.linkage->motion[std::size_t(k)].linear;
     }
@@ -437,13 +431,12 @@ void Stepper::solve_island(double h, std::size_t number, Island& island) {
 
   island.v.resize(island.speeds.size());
   for (std::size_t k = 0; k < island.speeds.size(); ++k)
-    island.v[k] = dv_[std::size_t(island.speeds[k])];
+    island.v[k] = smooth_change(h, island.speeds[k]);
   island.solve_velocities(options_.solver, h);
   for (std::size_t k = 0; k < island.speeds.size(); ++k)
-    dv_[std::size_t(island.speeds[k])] = island.v[k];
+    end_u_[island.speeds[k]] = mechanism_.state.u()[island.speeds[k]] + island.v[k];
   island.solve_positions(options_.solver, h);
-  for (std::size_t k = 0; k < island.p.size(); ++k)
-    displacement_[std::size_t(island.speeds[k])] = island.p[k];
+  for (std::size_t k = 0; k < island.p.size(); ++k) displacement_[island.speeds[k]] = island.p[k];
   limit_displacements(h, island);
 
   contacts_.take_outcomes(island);
@@ -480,30 +473,18 @@ void Stepper::solve_islands(double h) {
 
 void Stepper::solve_rows(double h) {
   Mechanism& m = mechanism_;
-  dv_.assign(std::size_t(m.state.nu()), 0.0);
-  displacement_.assign(std::size_t(m.state.nu()), 0.0);
-  const double* const udot = udot_.data();
-  const double* const start_udot = start_udot_.data();
+  end_u_ = u0_;
   for (const Component& c : m.components())
-    for (const int u : c.speeds) dv_[std::size_t(u)] = h * (udot[u] - 0.5 * start_udot[u]);
+    for (const int u : c.speeds) end_u_[u] = m.state.u()[u] + smooth_change(h, u);
+  displacement_.setZero(m.state.nu());
   warm_start_joints(h);
   solve_islands(h);
   sum_efforts(m.state.q(), m.state.u(), h, false);
 
-  // u at the end; q over the second half with it, and the displacement of the position stage.
-  end_u_ = u0_;
-  stage_ = u0_;
-  const double* const middle_u = um_.data();
-  double* const end_u = end_u_.data();
-  double* const second_half = stage_.data();
-  stage_ *= 0.5 * h;
-  for (const Component& c : m.components())
-    for (const int u : c.speeds) {
-      end_u[u] = middle_u[u] + dv_[std::size_t(u)];
-      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(u)];
-    }
-  m.multiply_by_n(stage_, displaced_);
-  displaced_ = displaced_ + qm_;
+  // q over the second half with u at the end, and the displacement of the position stage.
+  displacement_ += 0.5 * h * end_u_;
+  m.multiply_by_n(displacement_, displaced_);
+  displaced_ += m.state.q();
   remember(h);
   report();
 }
@@ -528,18 +509,17 @@ void Stepper::predict_udot(double h) {
   constexpr double kNear = 0.2;  // of a: as far as what turns by a fifth of a radian in a step
   const bool known = memory.mean_udot.size() == u0_.size();
   memory.udot = (1.0 / h) * (end_u_ - u0_);
-  mean_.swap(memory.mean_udot);
-  memory.mean_udot = memory.udot;
   for (const Component& c : mechanism_.components()) {
     double change = 0.0, size = 0.0;
     for (std::size_t k = 0; known && k < c.speeds.size(); ++k) {
-      const double a = memory.udot[c.speeds[k]], d = a - mean_[c.speeds[k]];
+      const double a = memory.udot[c.speeds[k]], d = a - memory.mean_udot[c.speeds[k]];
       change += d * d;
       size += a * a;
     }
     if (change == 0.0 || change > kNear * kNear * size) continue;
-    for (const int u : c.speeds) memory.udot[u] += 0.75 * (memory.udot[u] - mean_[u]);
+    for (const int u : c.speeds) memory.udot[u] += 0.75 * (memory.udot[u] - memory.mean_udot[u]);
   }
+  memory.mean_udot = (1.0 / h) * (end_u_ - u0_);
 }
 
 void Stepper::report() {

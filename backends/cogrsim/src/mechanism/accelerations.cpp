@@ -12,7 +12,7 @@ constexpr int kLargestDense = 12, kLargestFactored = 48;
 }  // namespace
 
 Accelerations::Accelerations(Mechanism& mechanism)
-    : mechanism_(mechanism), efforts_(Values::Zero(mechanism.state.nu())) {}
+    : mechanism_(mechanism) {}
 
 void Accelerations::compute(const std::vector<AxisLaw>& laws, Values& udot, const Middle* middle) {
   compute_open(laws, udot);
@@ -24,18 +24,18 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   const Values& q = m.state.q();
   const Values& u = m.state.u();
 
-  efforts_.setZero();
-  for (const AxisLaw& law : laws) {
-    if (!law.implicit) efforts_[law.speed] += law.effort_at(q, u);
-  }
   udot.setZero(m.state.nu());
+  for (const AxisLaw& law : laws) {
+    if (!law.implicit && !m.components()[std::size_t(law.component)].asleep)
+      udot[law.speed] += law.effort_at(q, u);
+  }
   for (Component& c : m.components()) {
     if (c.asleep) continue;
     local_.resize(std::size_t(c.size()));
     find_bias(m, c, local_.data());
     for (int k = 0; k < c.size(); ++k) {
       double& x = local_[std::size_t(k)];
-      x = efforts_[c.speeds[std::size_t(k)]] - x;
+      x = udot[c.speeds[std::size_t(k)]] - x;
     }
     const bool factored = with_rows || c.has_loops();
     if (c.size() > (factored ? kLargestFactored : kLargestDense)) {
