@@ -174,8 +174,7 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
     const Link& link = mechanism.links()[index];
     const LinkMotion& motion = motions[index];
     const Spatial v = velocity[i] = velocity_of(motion);
-    Spatial& a = acceleration[i];
-    a = Spatial();
+    Spatial a;
     if (link.mounting && link.mounting->kind == Mounting::Kind::other)
       a = find_joint_bias(mechanism.model(), link, inboard_frame(link, mechanism.motions()),
                           mechanism.state.q().data() + link.first_q,
@@ -197,14 +196,16 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
       a.linear += inboard.angular.cross(v.linear) + inboard.linear.cross(v.angular);
       a.angular += inboard.angular.cross(v.angular);
     }
+    acceleration[i] = a;
     const Inertia& inertia = l.inertias[i];
     const Spatial momentum = inertia * v;
-    force[i] = inertia * a;
-    force[i].angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
-    force[i].linear += v.angular.cross(momentum.linear);
+    Spatial f = inertia * a;
+    f.angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
+    f.linear += v.angular.cross(momentum.linear);
     const Vec3 arm = motion.X * link.com - c.origin;
-    force[i].angular -= arm.cross(loads[index].force) + loads[index].torque;
-    force[i].linear -= loads[index].force;
+    f.angular -= arm.cross(loads[index].force) + loads[index].torque;
+    f.linear -= loads[index].force;
+    force[i] = f;
   }
   for (std::size_t i = count; i-- > 0;) {
     for (int k = l.first[i]; k < c.end_of(i); ++k) x[k] = dot(l.motion[std::size_t(k)], force[i]);
@@ -251,52 +252,95 @@ void solve_mass(const Component& c, double* x, int position_of_link) {
   solve_tree(c, x, c.linkage->trees[std::size_t(c.linkage->tree[std::size_t(position_of_link)])]);
 }
 
+namespace {
+
+// Six numbers, angular part first, two at a time.
+struct Six {
+  Pair e[3];
+};
+Six six(const Spatial& s) {
+  static_assert(sizeof(Spatial) == sizeof(Six));
+  const double* const x = s.angular.data();
+  return {{pair_at(x), pair_at(x + 2), pair_at(x + 4)}};
+}
+double dot(const Six& a, const Six& b) {
+  const Pair sum = a.e[0] * b.e[0] + (a.e[1] * b.e[1] + a.e[2] * b.e[2]);
+  return sum[0] + sum[1];
+}
+void add_scaled(double factor, const Six& a, Six& x) {
+  for (int r = 0; r < 3; ++r) x.e[r] += factor * a.e[r];
+}
+
+// The inertia of a link on all of its motion, by columns.
+struct Inertia6 {
+  Six column[6];
+  explicit Inertia6(const Inertia& inertia) {
+    const Mat3& I = inertia.second;
+    const Vec3& c = inertia.moment;
+    const double m = inertia.mass;
+    column[0] = {{Pair{I(0, 0), I(1, 0)}, Pair{I(2, 0), 0.0}, Pair{-c.z(), c.y()}}};
+    column[1] = {{Pair{I(0, 1), I(1, 1)}, Pair{I(2, 1), c.z()}, Pair{0.0, -c.x()}}};
+    column[2] = {{Pair{I(0, 2), I(1, 2)}, Pair{I(2, 2), -c.y()}, Pair{c.x(), 0.0}}};
+    column[3] = {{Pair{0.0, c.z()}, Pair{-c.y(), m}, Pair{0.0, 0.0}}};
+    column[4] = {{Pair{-c.z(), 0.0}, Pair{c.x(), 0.0}, Pair{m, 0.0}}};
+    column[5] = {{Pair{c.y(), -c.x()}, Pair{0.0, 0.0}, Pair{0.0, m}}};
+  }
+  void operator+=(const Inertia6& other) {
+    for (int j = 0; j < 6; ++j) add_scaled(1.0, other.column[j], column[j]);
+  }
+  Six operator*(const Six& v) const {
+    Six out;
+    for (int r = 0; r < 3; ++r) {
+      out.e[r] = column[0].e[r] * v.e[0][0];
+      for (int k = 1; k < 6; ++k) out.e[r] += column[k].e[r] * v.e[k / 2][k % 2];
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 void solve_mass_recursively(const Component& c, double* x) {
   const Linkage& l = *c.linkage;
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Mat6 = Eigen::Matrix<double, 6, 6>;
   struct Axis {
-    Vec6 S, U;
+    Six U;
     double inverse;  // of D
   };
-  static thread_local std::vector<Mat6> A;
-  static thread_local std::vector<Vec6> p;
+  static thread_local std::vector<Inertia6> inertias;
+  static thread_local std::vector<Six> forces;
   static thread_local std::vector<Axis> axes;
   const std::size_t count = c.links.size();
-  A.resize(count);
-  p.assign(count, Vec6::Zero());
+  inertias.clear();
+  for (const Inertia& inertia : l.inertias) inertias.emplace_back(inertia);
+  forces.assign(count, Six());
   axes.resize(c.speeds.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const Inertia& inertia = l.inertias[i];
-    const Vec3& m = inertia.moment;
-    Mat3 cross;
-    cross << 0.0, -m.z(), m.y(), m.z(), 0.0, -m.x(), -m.y(), m.x(), 0.0;
-    A[i] << inertia.second, cross, -cross, inertia.mass * Mat3::Identity();
-  }
   // A joint of several axes is one after the other, with nothing between them.
   for (std::size_t i = count; i-- > 0;) {
+    Inertia6 A = inertias[i];
+    Six p = forces[i];
     for (int k = c.end_of(i); k-- > l.first[i];) {
       Axis& axis = axes[std::size_t(k)];
-      const Spatial& column = l.motion[std::size_t(k)];
-      axis.S << column.angular, column.linear;
-      axis.U.noalias() = A[i] * axis.S;
+      const Six S = six(l.motion[std::size_t(k)]);
+      const Six U = axis.U = A * S;
       const double rotor = l.rotors.empty() ? 0.0 : l.rotors[std::size_t(k)];
-      axis.inverse = 1.0 / (axis.S.dot(axis.U) + rotor);
-      x[k] -= axis.S.dot(p[i]);
-      A[i].noalias() -= (axis.inverse * axis.U) * axis.U.transpose();
-      p[i] += (axis.inverse * x[k]) * axis.U;
+      axis.inverse = 1.0 / (dot(S, U) + rotor);
+      x[k] -= dot(S, p);
+      add_scaled(axis.inverse * x[k], U, p);
+      const Six w = {{axis.inverse * U.e[0], axis.inverse * U.e[1], axis.inverse * U.e[2]}};
+      for (int j = 0; j < 6; ++j) add_scaled(-U.e[j / 2][j % 2], w, A.column[j]);
     }
     if (l.inboard[i] < 0) continue;
-    A[std::size_t(l.inboard[i])] += A[i];
-    p[std::size_t(l.inboard[i])] += p[i];
+    inertias[std::size_t(l.inboard[i])] += A;
+    add_scaled(1.0, p, forces[std::size_t(l.inboard[i])]);
   }
-  // From here on `p` is the acceleration.
+  // From here on they are the accelerations.
   for (std::size_t i = 0; i < count; ++i) {
-    p[i] = l.inboard[i] < 0 ? Vec6(Vec6::Zero()) : p[std::size_t(l.inboard[i])];
+    Six& a = forces[i];
+    a = l.inboard[i] < 0 ? Six() : forces[std::size_t(l.inboard[i])];
     for (int k = l.first[i]; k < c.end_of(i); ++k) {
       const Axis& axis = axes[std::size_t(k)];
-      x[k] = axis.inverse * (x[k] - axis.U.dot(p[i]));
-      p[i] += x[k] * axis.S;
+      x[k] = axis.inverse * (x[k] - dot(axis.U, a));
+      add_scaled(x[k], six(l.motion[std::size_t(k)]), a);
     }
   }
 }
