@@ -163,6 +163,7 @@ void update_loops(const Mechanism& mechanism, Component& c) {
 }
 
 void close_loops(const Component& c, double* x, const double* wanted) {
+  if (!c.has_loops()) return;
   const Loops& loops = c.linkage->loops;
   const int count = int(loops.independent.size());
   const std::size_t stride = 6 * c.linkage->welds.size();
