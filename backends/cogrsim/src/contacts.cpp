@@ -23,6 +23,12 @@ constexpr double kRestMargin = 1e-4;
 constexpr double kFlush = 1e-5;
 constexpr double kTilt = 1e-3;
 
+// At once, and more than is needed now: the numbers of contacts change from step to step.
+template <class T>
+void make_room(std::vector<T>& items, std::size_t count) {
+  if (count > items.capacity()) items.reserve(count + count / 4);
+}
+
 bool same_pair(const ContactPoint& a, const ContactPoint& b) {
   return a.collider_a == b.collider_a && a.collider_b == b.collider_b;
 }
@@ -383,6 +389,7 @@ void Contacts::take_outcomes(const RowSet& set) {
 
 void Contacts::remember(double h, std::vector<WarmContact>& out) const {
   out.clear();
+  make_room(out, points_.size());
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactOutcome& outcome = outcomes_[i];
     if (!outcome.is_kept) continue;
@@ -399,6 +406,7 @@ void Contacts::remember(double h, std::vector<WarmContact>& out) const {
 
 void Contacts::report(std::vector<ContactRecord>& records) const {
   const std::size_t earlier = records.size();
+  make_room(records, earlier + points_.size());
   for (std::size_t index = 0; index < points_.size(); ++index) {
     const ContactPoint& point = points_[index];
     const ContactOutcome& outcome = outcomes_[index];

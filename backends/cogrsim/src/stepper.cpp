@@ -24,9 +24,9 @@ constexpr double kMostTravel = 10.0, kLeastTravel = 1e-5;
 bool is_free(const Mechanism& mechanism, const Component& c) {
   for (std::size_t i = 0; i < c.links.size(); ++i) {
     const PlannedLink& plan = mechanism.links()[std::size_t(c.links[i])].plan;
-    if ((c.inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
+    if ((c.linkage->inboard[i] < 0) != (i == 0) || (i == 0 && plan.joint >= 0)) return false;
   }
-  for (const Weld& weld : c.welds)
+  for (const Weld& weld : c.linkage->welds)
     if (c.find(weld.primary) < 0) return false;
   return true;
 }
@@ -107,7 +107,7 @@ bool Stepper::build_rows(double h) {
   context_.h = h;
   context_.bounce_threshold = model_.physics.bounce_threshold;
   context_.u = mechanism_.state.u().data();
-  context_.start_udot = start_udot_.data();
+  context_.start_udot = start_udot_->data();
   // With loops udot_ is found once more before the contacts' rows are made.
   if (mechanism_.has_loops()) row_udot_ = udot_;
   context_.udot = (mechanism_.has_loops() ? row_udot_ : udot_).data();
@@ -207,7 +207,7 @@ void Stepper::move(double h) {
   Mechanism& m = mechanism_;
   q0_ = m.state.q();
   u0_ = m.state.u();
-  m.calc_qdot(qdot0_);
+  m.calc_qdot(qk_[0]);
   classify_laws(m, *drives_, h, laws_);
   contacts_.measure_speeds(h);
   measure_momenta(false);
@@ -216,16 +216,11 @@ void Stepper::move(double h) {
   // the last step where contact was on then, so that steps with contact cost one evaluation.
   const bool remembered = memory.had_rows && memory.udot.size() == u0_.size();
   accelerations_.with_rows = remembered;
-  if (remembered) {
-    start_udot_ = memory.udot;
-  } else {
-    accelerations_.compute(laws_, start_udot_);
-    k_[0] = start_udot_;
-  }
-  qm_ = q0_ + (0.5 * h) * qdot0_;
-  um_ = u0_ + (0.5 * h) * start_udot_;
-  set(qm_, um_);
-  const Accelerations::Middle middle{h, &start_udot_};
+  if (!remembered) accelerations_.compute(laws_, k_[0]);
+  start_udot_ = remembered ? &memory.udot : &k_[0];
+  m.state.change_q() = q0_ + (0.5 * h) * qk_[0];
+  m.state.change_u() = u0_ + (0.5 * h) * *start_udot_;
+  const Accelerations::Middle middle{h, start_udot_};
   const bool smooth = !remembered && options_.scheme != Scheme::midpoint;
   accelerations_.compute(laws_, udot_, smooth ? nullptr : &middle);
   contacts_.detect(h, memory.contacts);
@@ -282,7 +277,6 @@ void Stepper::runge_kutta(double h, bool have_first) {
   };
   EffortSums before;
   if (m.has_loops()) before = impulses;
-  qk_[0] = qdot0_;
   if (have_first) {
     k_[1] = udot_;
     m.calc_qdot(qk_[1]);
@@ -316,7 +310,7 @@ void Stepper::runge_kutta(double h, bool have_first) {
 }
 
 bool Stepper::disagree(const Component& c, double h) const {
-  if (c.welds.empty()) return false;
+  if (!c.has_loops()) return false;
   double middle = 0.0, ends = 0.0, size = 0.0, speed = 0.0;
   for (int u : c.speeds) {
     const double a = k_[0][u], b = k_[1][u], d = k_[2][u], e = k_[3][u];
@@ -337,7 +331,7 @@ void Stepper::pass_singular(double h, const EffortSums& efforts) {
   // um = P(qm) (u0 + h / 2 a) with `a` at the start, the loops ignored: P never enlarges it.
   set(q0_, u0_);
   accelerations_.compute_open(laws_, k_[0]);
-  displaced_ = q0_ + (0.5 * h) * qdot0_;
+  displaced_ = q0_ + (0.5 * h) * qk_[0];
   stage_ = u0_ + (0.5 * h) * k_[0];
   set(displaced_, stage_);
   m.project_speeds();
@@ -376,7 +370,7 @@ void Stepper::limit_displacements(double h, Island& island) {
     if (gained < 0.0) continue;
     limited = true;
     const double share = allowed_share(*c, h, gained);
-    for (const int u : c->speeds) displacement_[std::size_t(u)] *= share;
+    for (const int u : c->speeds) displacement_[u] *= share;
   }
   if (limited) island.measure_gap_changes(displacement_.data());
 }
@@ -393,11 +387,11 @@ double Stepper::allowed_share(const Component& c, double h, double gained) const
     const Link& link = mechanism_.links()[index];
     const LinkMotion& motion = mechanism_.motions()[index];
     Spatial& move = moves[i];
-    if (c.inboard[i] >= 0) move = moves[std::size_t(c.inboard[i])];
-    for (int k = c.first[i]; k < c.first[i] + link.nu; ++k) {
-      const double d = displacement_[std::size_t(c.speeds[std::size_t(k)])];
-      move.angular += d * c.motion[std::size_t(k)].angular;
-      move.linear += d * c.motion[std::size_t(k)].linear;
+    if (c.linkage->inboard[i] >= 0) move = moves[std::size_t(c.linkage->inboard[i])];
+    for (int k = c.linkage->first[i]; k < c.linkage->first[i] + link.nu; ++k) {
+      const double d = displacement_[c.speeds[std::size_t(k)]];
+      move.angular += d * c.linkage->motion[std::size_t(k)].angular;
+      move.linear += d * c.linkage->motion[std::size_t(k)].linear;
     }
     const Placement& X = motion.X;
     const Vec3 com = X * link.com;
@@ -435,9 +429,14 @@ void Stepper::solve_island(double h, std::size_t number, Island& island) {
     contacts_.add_rows(context_, std::size_t(i), memory.contacts, island);
   island.place_rows(mechanism_.components(), start_);
 
-  island.scale(dv_.data(), island.v);
+  // In end_u_ first the change of the speeds.
+  for (const Component* c : island.components)
+    for (const int u : c->speeds) end_u_[u] = smooth_change(h, u);
+  island.scale(end_u_.data(), island.v);
   island.solve_velocities(options_.solver, h);
-  island.unscale(island.v, dv_.data());
+  island.unscale(island.v, end_u_.data());
+  for (const Component* c : island.components)
+    for (const int u : c->speeds) end_u_[u] += mechanism_.state.u()[u];
   island.solve_positions(options_.solver, h);
   if (!island.p.empty()) island.unscale(island.p, displacement_.data());
   limit_displacements(h, island);
@@ -476,30 +475,18 @@ void Stepper::solve_islands(double h) {
 
 void Stepper::solve_rows(double h) {
   Mechanism& m = mechanism_;
-  dv_.assign(std::size_t(m.state.nu()), 0.0);
-  displacement_.assign(std::size_t(m.state.nu()), 0.0);
-  const double* const udot = udot_.data();
-  const double* const start_udot = start_udot_.data();
+  end_u_ = u0_;
   for (const Component& c : m.components())
-    for (const int u : c.speeds) dv_[std::size_t(u)] = h * (udot[u] - 0.5 * start_udot[u]);
+    for (const int u : c.speeds) end_u_[u] = m.state.u()[u] + smooth_change(h, u);
+  displacement_.setZero(m.state.nu());
   warm_start_joints(h);
   solve_islands(h);
   sum_efforts(m.state.q(), m.state.u(), h, false);
 
-  // u at the end; q over the second half with it, and the displacement of the position stage.
-  end_u_ = u0_;
-  stage_ = u0_;
-  const double* const middle_u = um_.data();
-  double* const end_u = end_u_.data();
-  double* const second_half = stage_.data();
-  stage_ *= 0.5 * h;
-  for (const Component& c : m.components())
-    for (const int u : c.speeds) {
-      end_u[u] = middle_u[u] + dv_[std::size_t(u)];
-      second_half[u] = 0.5 * h * end_u[u] + displacement_[std::size_t(u)];
-    }
-  m.multiply_by_n(stage_, displaced_);
-  displaced_ = displaced_ + qm_;
+  // q over the second half with u at the end, and the displacement of the position stage.
+  displacement_ += 0.5 * h * end_u_;
+  m.multiply_by_n(displacement_, displaced_);
+  displaced_ += m.state.q();
   remember(h);
   report();
 }
@@ -524,18 +511,17 @@ void Stepper::predict_udot(double h) {
   constexpr double kNear = 0.2;  // of a: as far as what turns by a fifth of a radian in a step
   const bool known = memory.mean_udot.size() == u0_.size();
   memory.udot = (1.0 / h) * (end_u_ - u0_);
-  mean_.swap(memory.mean_udot);
-  memory.mean_udot = memory.udot;
   for (const Component& c : mechanism_.components()) {
     double change = 0.0, size = 0.0;
     for (std::size_t k = 0; known && k < c.speeds.size(); ++k) {
-      const double a = memory.udot[c.speeds[k]], d = a - mean_[c.speeds[k]];
+      const double a = memory.udot[c.speeds[k]], d = a - memory.mean_udot[c.speeds[k]];
       change += d * d;
       size += a * a;
     }
     if (change == 0.0 || change > kNear * kNear * size) continue;
-    for (const int u : c.speeds) memory.udot[u] += 0.75 * (memory.udot[u] - mean_[u]);
+    for (const int u : c.speeds) memory.udot[u] += 0.75 * (memory.udot[u] - memory.mean_udot[u]);
   }
+  memory.mean_udot = (1.0 / h) * (end_u_ - u0_);
 }
 
 void Stepper::report() {

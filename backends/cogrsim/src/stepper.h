@@ -65,14 +65,14 @@ class Stepper {
   void measure_whip(double h, Whip& whip) const;
   bool must_be_halved(double h, const EffortSums& start) const;
   void move(double h);
-  // The smooth motion, from q0_, u0_, qdot0_, to displaced_ and stage_; with `have_first`, k_[0],
+  // The smooth motion, from q0_, u0_, qk_[0], to displaced_ and stage_; with `have_first`, k_[0],
   // udot_ and the state hold the first two stages. Sums the efforts in `untouched_` components.
   void runge_kutta(double h, bool have_first);
   // Whether the stages k_ of Runge-Kutta disagree for a component, as they do where its loops are too
   // near a singular position for accelerations to mean anything over the step; see loops.h.
   bool disagree(const Component& component, double h) const;
   // Takes the components marked in `doubtful_` by the midpoint scheme instead, from q0_, u0_,
-  // qdot0_; the state is undefined afterwards. `efforts`: sums without those of the step.
+  // qk_[0]; the state is undefined afterwards. `efforts`: sums without those of the step.
   void pass_singular(double h, const EffortSums& efforts);
   // The motion with all rows, to displaced_ and stage_; the state is at the middle.
   void solve_rows(double h);
@@ -82,7 +82,11 @@ class Stepper {
   double allowed_share(const Component& component, double h, double gained) const;
   // Those of joints, and which components anything concerns; false: none. At the middle of the step.
   bool build_rows(double h);
-  // Impulses and displacements that make all rows hold, island by island: adds to dv_, fills displacement_.
+  // What the smooth motion adds to a speed over the second half of the step.
+  double smooth_change(double h, int speed) const {
+    return h * (udot_[speed] - 0.5 * (*start_udot_)[speed]);
+  }
+  // Impulses and displacements that make all rows hold, island by island: fills end_u_ and displacement_.
   void solve_islands(double h);
   void solve_island(double h, std::size_t number, Island& island);
   // Conserves the momentum of free mechanisms to rounding, see README; the state is at the end.
@@ -123,9 +127,10 @@ class Stepper {
   };
   std::vector<FreeMomentum> momenta_, start_momenta_;
   std::vector<Gain> gained_;  ///< (ncomponent)
-  Values q0_, u0_, qdot0_, qm_, um_, start_udot_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_,
-      mean_, smooth_q_, smooth_u_, row_udot_;
-  std::vector<double> dv_, displacement_;  ///< by speed
+  Values q0_, u0_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_, smooth_q_, smooth_u_,
+      row_udot_;
+  const Values* start_udot_ = nullptr;  ///< what led to the middle of the step
+  Values displacement_;                 ///< of the position stage, by speed; then, with the way at the speeds end_u_, of the second half
 };
 
 }  // namespace cogrsim::dynamics

@@ -27,6 +27,7 @@ void DynamicsWorld::start(SceneModelPtr model) {
   auto engine = std::make_unique<Engine>(model, options_);
   Progress progress;
   progress.placed = progress.model = std::move(model);
+  progress.twists.reserve(progress.model->bodies.size());
   for (const Body& body : progress.model->bodies)
     progress.twists.push_back(body.kind == BodyKind::kinematic ? body.V_WB : Twist());
   engine_ = std::move(engine);

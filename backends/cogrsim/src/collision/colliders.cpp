@@ -166,6 +166,11 @@ Collider make_collider(const SceneModel& model, int body, int index) {
   return c;
 }
 
+bool is_like(const Collider& a, const Collider& b) {
+  return a.type == b.type && a.core.half == b.core.half && a.core.radius == b.core.radius &&
+         a.core.margin == b.core.margin;
+}
+
 std::size_t most_along(const HullFaces& hull, const Vec3& d) {
   std::size_t best = 0;
   double most = -2.0;
@@ -210,6 +215,10 @@ std::vector<Collider> make_colliders(const SceneModel& model) {
     for (std::size_t s = 0; s < body.shapes.size(); ++s) {
       const bool used = !body.removed && body.shapes[s].collides;
       out.push_back(used ? make_collider(model, int(b), int(s)) : Collider());
+      // Of shapes one like the other in a row one serves distance queries.
+      Collider& c = out.back();
+      if (out.size() > 1 && c.convex && !c.hull && is_like(c, out[out.size() - 2]))
+        c.convex = out[out.size() - 2].convex;
     }
   }
   return out;

@@ -37,12 +37,17 @@ struct Collider {
 
   // At the time of the query.
   Placement X_WS;
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< axis-aligned bounds, margin included [m]
   double margin = 0.0;        ///< speculative margin: how far its surface may move in the step [m]
   Vec3 shift = Vec3::Zero();  ///< of its origin over the rest of the step [m]
   Vec3 turn = Vec3::Zero();   ///< over the rest of the step [rad]
   double moved = 0.0;         ///< since the last query, no point of it by more [m]
 
+  /// Half of the axis-aligned box about its place that holds it, margin included [m]. Not of a plane.
+  Vec3 half_extents() const {
+    const bool closed_form = is_convex() && hull == nullptr;
+    return (closed_form ? core.half_extents(X_WS.R) : Vec3(Vec3::Constant(bounding_radius))) +
+           Vec3::Constant(margin);
+  }
   /// How far the rest of the step moves its point at `point` (world) [m].
   Vec3 travel_of(const Vec3& point) const { return shift + turn.cross(point - X_WS.p); }
   bool is_convex() const { return type != ShapeType::plane && !is_concave(); }

@@ -21,6 +21,7 @@ double thinness_of(const Collider& c) {
 }  // namespace
 
 Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_colliders(model)) {
+  sorted_.reserve(colliders_.size());
   std::size_t next = 0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     first_.push_back(int(next));
@@ -32,7 +33,7 @@ Detector::Detector(const SceneModel& model) : filter_(model), colliders_(make_co
         unbounded_.push_back(int(next));
         bounding_radius = std::max(bounding_radius, 1e-3);
       } else {
-        sorted_.push_back({c.low, c.high, int(next), c.moves});
+        sorted_.push_back({c.X_WS.p, c.X_WS.p, int(next), c.moves});
         bounding_radius = std::max(bounding_radius, c.X_BS.p.norm() + c.bounding_radius);
       }
     }
@@ -62,13 +63,6 @@ void Detector::set_pose(int body, const Placement& X_WB, double margin, const Ve
     c.margin = margin;
     c.turn = turn;
     c.shift = shift + turn.cross(c.X_WS.p - X_WB.p);
-    if (c.type == ShapeType::plane) continue;
-    const bool closed_form = c.is_convex() && c.hull == nullptr;
-    Vec3 extent =
-        closed_form ? c.core.half_extents(c.X_WS.R) : Vec3(Vec3::Constant(c.bounding_radius));
-    extent += Vec3::Constant(margin);
-    c.low = c.X_WS.p - extent;
-    c.high = c.X_WS.p + extent;
   }
 }
 
@@ -154,9 +148,9 @@ void Detector::find_pairs() {
   apart_.swap(last_apart_);
   pairs_.clear();
   for (Bounds& b : sorted_) {
-    b.low = colliders_[std::size_t(b.collider)].low;
-    b.high = colliders_[std::size_t(b.collider)].high;
-    b.moves = colliders_[std::size_t(b.collider)].moves;
+    const Collider& c = colliders_[std::size_t(b.collider)];
+    const Vec3 extent = c.half_extents();
+    b = {c.X_WS.p - extent, c.X_WS.p + extent, b.collider, c.moves};
   }
   const int axis = widest_axis(), second = (axis + 1) % 3, third = (axis + 2) % 3;
   sort_bounds(axis);

@@ -12,7 +12,7 @@ constexpr int kLargestDense = 12, kLargestFactored = 48;
 }  // namespace
 
 Accelerations::Accelerations(Mechanism& mechanism)
-    : mechanism_(mechanism), efforts_(Values::Zero(mechanism.state.nu())) {}
+    : mechanism_(mechanism) {}
 
 void Accelerations::compute(const std::vector<AxisLaw>& laws, Values& udot, const Middle* middle) {
   compute_open(laws, udot);
@@ -24,20 +24,20 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
   const Values& q = m.state.q();
   const Values& u = m.state.u();
 
-  efforts_.setZero();
-  for (const AxisLaw& law : laws) {
-    if (!law.implicit) efforts_[law.speed] += law.effort_at(q, u);
-  }
   udot.setZero(m.state.nu());
+  for (const AxisLaw& law : laws) {
+    if (!law.implicit && !m.components()[std::size_t(law.component)].asleep)
+      udot[law.speed] += law.effort_at(q, u);
+  }
   for (Component& c : m.components()) {
     if (c.asleep) continue;
     local_.resize(std::size_t(c.size()));
     find_bias(m, c, local_.data());
     for (int k = 0; k < c.size(); ++k) {
       double& x = local_[std::size_t(k)];
-      x = efforts_[c.speeds[std::size_t(k)]] - x;
+      x = udot[c.speeds[std::size_t(k)]] - x;
     }
-    const bool factored = with_rows || !c.welds.empty();
+    const bool factored = with_rows || c.has_loops();
     if (c.size() > (factored ? kLargestFactored : kLargestDense)) {
       solve_mass_recursively(c, local_.data());
     } else {
@@ -51,10 +51,10 @@ void Accelerations::compute_open(const std::vector<AxisLaw>& laws, Values& udot)
 void Accelerations::close(const Middle* middle, Values& udot) {
   Mechanism& m = mechanism_;
   for (Component& c : m.components()) {
-    if (c.welds.empty() || c.asleep) continue;
+    if (!c.has_loops() || c.asleep) continue;
     update_component(m, c);
     const std::size_t size = std::size_t(c.size());
-    wanted_.resize(6 * c.welds.size());
+    wanted_.resize(6 * c.linkage->welds.size());
     if (middle) {
       // G (u0 + h / 2 udot) = 0, where G u0 is what is found here less h / 2 of what led here.
       find_loop_speeds(m, c, wanted_.data());

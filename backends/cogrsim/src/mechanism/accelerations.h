@@ -32,7 +32,6 @@ class Accelerations {
   void close(const Middle* middle, Values& udot);
 
   Mechanism& mechanism_;
-  Values efforts_;  ///< along each speed
   std::vector<double> local_, wanted_, start_;
 };
 

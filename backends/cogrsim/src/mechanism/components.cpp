@@ -25,7 +25,7 @@ Inertia world_inertia(const Link& link, const Placement& X, const Vec3& origin) 
 }
 
 // In place, lower triangle, row-major; the diagonal is inverted. The block of one tree.
-void factorize(std::vector<double>& a, int n, const Component::Range& tree) {
+void factorize(std::vector<double>& a, int n, const Linkage::Range& tree) {
   const int first = tree.first;
   for (int i = first; i < tree.end; ++i) {
     double* const ai = &a[std::size_t(i * n)];
@@ -59,15 +59,15 @@ void form_inverse(const std::vector<double>& factor, int n, std::vector<double>&
 // Motion columns of one link: velocity, at the origin, per unit of each of its speeds.
 void find_columns(const Mechanism& mechanism, const Link& link, const Placement& X,
                   const Vec3& origin, Spatial* column) {
-  const Mounting& mounting = link.mounting;
-  if (mounting.kind == Mounting::Kind::base) {
-    const Vec3 arm = origin - X * mounting.centre;
+  if (!link.mounting) {
+    const Vec3 arm = origin - X * link.centre();
     for (int k = 0; k < 3; ++k) {
       column[k] = {Vec3::Unit(k), Vec3::Unit(k).cross(arm)};
       column[3 + k] = {Vec3::Zero(), Vec3::Unit(k)};
     }
     return;
   }
+  const Mounting& mounting = *link.mounting;
   if (mounting.kind == Mounting::Kind::other) {
     find_joint_columns(mechanism.model(), link, inboard_frame(link, mechanism.motions()),
                        mechanism.state.q().data() + link.first_q, origin, column);
@@ -92,14 +92,15 @@ void update_motion(const Mechanism& mechanism, Component& c) {
   const std::int64_t version = mechanism.state.q_version();
   if (c.motion_version == version) return;
   c.motion_version = version;
+  Linkage& l = *c.linkage;
   const std::vector<LinkMotion>& motions = mechanism.motions();
-  c.inertias.resize(c.links.size());
+  l.inertias.resize(c.links.size());
   c.origin = motions[std::size_t(c.links[0])].X.p;
   for (std::size_t i = 0; i < c.links.size(); ++i) {
     const Link& link = mechanism.links()[std::size_t(c.links[i])];
     const Placement& X = motions[std::size_t(c.links[i])].X;
-    c.inertias[i] = world_inertia(link, X, c.origin);
-    find_columns(mechanism, link, X, c.origin, c.motion.data() + c.first[i]);
+    l.inertias[i] = world_inertia(link, X, c.origin);
+    find_columns(mechanism, link, X, c.origin, l.motion.data() + l.first[i]);
   }
 }
 
@@ -107,9 +108,6 @@ void update_component(const Mechanism& mechanism, Component& c) {
   const std::int64_t version = mechanism.state.q_version();
   if (c.version == version) return;
   c.version = version;
-  c.has_inverse = false;
-  c.rows = 0;
-  const int n = c.size();
   if (c.is_free_body) {
     const Link& link = mechanism.links()[std::size_t(c.links[0])];
     const Placement& X = mechanism.motions()[std::size_t(c.links[0])].X;
@@ -120,28 +118,32 @@ void update_component(const Mechanism& mechanism, Component& c) {
   }
 
   update_motion(mechanism, c);
+  Linkage& l = *c.linkage;
+  const int n = c.size();
+  l.has_inverse = false;
+  l.rows = 0;
   static thread_local std::vector<Inertia> composite;
-  composite = c.inertias;
+  composite = l.inertias;
   for (std::size_t i = c.links.size(); i-- > 0;)
-    if (c.inboard[i] >= 0) composite[std::size_t(c.inboard[i])] += composite[i];
+    if (l.inboard[i] >= 0) composite[std::size_t(l.inboard[i])] += composite[i];
 
-  c.factor.assign(std::size_t(n * n), 0.0);
+  l.factor.assign(std::size_t(n * n), 0.0);
   for (std::size_t i = 0; i < c.links.size(); ++i) {
-    for (int row = c.first[i]; row < c.end_of(i); ++row) {
-      const Spatial momentum = composite[i] * c.motion[std::size_t(row)];
-      for (int on_path = int(i); on_path >= 0; on_path = c.inboard[std::size_t(on_path)]) {
-        const int first = c.first[std::size_t(on_path)];
+    for (int row = l.first[i]; row < c.end_of(i); ++row) {
+      const Spatial momentum = composite[i] * l.motion[std::size_t(row)];
+      for (int on_path = int(i); on_path >= 0; on_path = l.inboard[std::size_t(on_path)]) {
+        const int first = l.first[std::size_t(on_path)];
         const int end = c.end_of(std::size_t(on_path));
         for (int col = first; col < end; ++col) {
-          const double value = dot(c.motion[std::size_t(col)], momentum);
-          c.factor[std::size_t(std::max(row, col) * n + std::min(row, col))] = value;
+          const double value = dot(l.motion[std::size_t(col)], momentum);
+          l.factor[std::size_t(std::max(row, col) * n + std::min(row, col))] = value;
         }
       }
     }
   }
-  for (std::size_t k = 0; k < c.rotors.size(); ++k) c.factor[k * std::size_t(n) + k] += c.rotors[k];
-  for (const Component::Range& tree : c.trees) factorize(c.factor, n, tree);
-  if (!c.welds.empty()) update_loops(mechanism, c);
+  for (std::size_t k = 0; k < l.rotors.size(); ++k) l.factor[k * std::size_t(n) + k] += l.rotors[k];
+  for (const Linkage::Range& tree : l.trees) factorize(l.factor, n, tree);
+  if (c.has_loops()) update_loops(mechanism, c);
 }
 
 void find_bias(const Mechanism& mechanism, Component& c, double* x) {
@@ -157,11 +159,12 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
     return;
   }
   update_motion(mechanism, c);
+  Linkage& l = *c.linkage;
   const auto velocity_of = [&](const LinkMotion& motion) -> Spatial {
     return {motion.angular, motion.velocity_at(c.origin)};
   };
   static thread_local std::vector<Spatial> velocity, force;
-  std::vector<Spatial>& acceleration = c.bias;
+  std::vector<Spatial>& acceleration = l.bias;
   const std::size_t count = c.links.size();
   velocity.resize(count);
   acceleration.resize(count);
@@ -171,21 +174,20 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
     const Link& link = mechanism.links()[index];
     const LinkMotion& motion = motions[index];
     const Spatial v = velocity[i] = velocity_of(motion);
-    Spatial& a = acceleration[i];
-    a = Spatial();
-    if (link.mounting.kind == Mounting::Kind::other)
+    Spatial a;
+    if (link.mounting && link.mounting->kind == Mounting::Kind::other)
       a = find_joint_bias(mechanism.model(), link, inboard_frame(link, mechanism.motions()),
                           mechanism.state.q().data() + link.first_q,
                           mechanism.state.u().data() + link.first_u, c.origin);
-    if (link.mounting.kind == Mounting::Kind::base) {
+    if (!link.mounting) {
       // Its centre and its spin have none; the point of it at the origin has.
-      a.linear = -v.angular.cross(motion.velocity_at(motion.X * link.mounting.centre));
+      a.linear = -v.angular.cross(motion.velocity_at(motion.X * link.centre()));
     } else if (link.plan.parent >= 0) {
       // The joint's axes are those of the body inboard, so they change by its velocity.
       Spatial inboard;
-      if (c.inboard[i] >= 0) {
-        inboard = velocity[std::size_t(c.inboard[i])];
-        a += acceleration[std::size_t(c.inboard[i])];
+      if (l.inboard[i] >= 0) {
+        inboard = velocity[std::size_t(l.inboard[i])];
+        a += acceleration[std::size_t(l.inboard[i])];
       } else {
         const LinkMotion& carrier = motions[std::size_t(link.plan.parent)];
         inboard = velocity_of(carrier);
@@ -194,32 +196,34 @@ void find_bias(const Mechanism& mechanism, Component& c, double* x) {
       a.linear += inboard.angular.cross(v.linear) + inboard.linear.cross(v.angular);
       a.angular += inboard.angular.cross(v.angular);
     }
-    const Inertia& inertia = c.inertias[i];
+    acceleration[i] = a;
+    const Inertia& inertia = l.inertias[i];
     const Spatial momentum = inertia * v;
-    force[i] = inertia * a;
-    force[i].angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
-    force[i].linear += v.angular.cross(momentum.linear);
+    Spatial f = inertia * a;
+    f.angular += v.angular.cross(momentum.angular) + v.linear.cross(momentum.linear);
+    f.linear += v.angular.cross(momentum.linear);
     const Vec3 arm = motion.X * link.com - c.origin;
-    force[i].angular -= arm.cross(loads[index].force) + loads[index].torque;
-    force[i].linear -= loads[index].force;
+    f.angular -= arm.cross(loads[index].force) + loads[index].torque;
+    f.linear -= loads[index].force;
+    force[i] = f;
   }
   for (std::size_t i = count; i-- > 0;) {
-    for (int k = c.first[i]; k < c.end_of(i); ++k) x[k] = dot(c.motion[std::size_t(k)], force[i]);
-    if (c.inboard[i] >= 0) force[std::size_t(c.inboard[i])] += force[i];
+    for (int k = l.first[i]; k < c.end_of(i); ++k) x[k] = dot(l.motion[std::size_t(k)], force[i]);
+    if (l.inboard[i] >= 0) force[std::size_t(l.inboard[i])] += force[i];
   }
 }
 
 Vec3 bias_at(const Component& c, int position, const LinkMotion& motion, const Vec3& point) {
-  const Spatial& a = c.bias[std::size_t(position)];
+  const Spatial& a = c.linkage->bias[std::size_t(position)];
   return a.linear + a.angular.cross(point - c.origin) +
          motion.angular.cross(motion.velocity_at(point));
 }
 
 namespace {
 
-void solve_tree(const Component& c, double* x, const Component::Range& tree) {
+void solve_tree(const Component& c, double* x, const Linkage::Range& tree) {
   const int n = c.size(), first = tree.first, end = tree.end;
-  const double* const L = c.factor.data() + first;
+  const double* const L = c.linkage->factor.data() + first;
   x += first;
   for (int i = first; i < end; ++i) {
     const int k = i - first;
@@ -241,76 +245,121 @@ void solve_mass(const Component& c, double* x) {
     linear *= c.linear_root * c.linear_root;
     return;
   }
-  for (const Component::Range& tree : c.trees) solve_tree(c, x, tree);
+  for (const Linkage::Range& tree : c.linkage->trees) solve_tree(c, x, tree);
 }
 
 void solve_mass(const Component& c, double* x, int position_of_link) {
-  solve_tree(c, x, c.trees[std::size_t(c.tree[std::size_t(position_of_link)])]);
+  solve_tree(c, x, c.linkage->trees[std::size_t(c.linkage->tree[std::size_t(position_of_link)])]);
 }
 
+namespace {
+
+// Six numbers, angular part first, two at a time.
+struct Six {
+  Pair e[3];
+};
+Six six(const Spatial& s) {
+  static_assert(sizeof(Spatial) == sizeof(Six));
+  const double* const x = s.angular.data();
+  return {{pair_at(x), pair_at(x + 2), pair_at(x + 4)}};
+}
+double dot(const Six& a, const Six& b) {
+  const Pair sum = a.e[0] * b.e[0] + (a.e[1] * b.e[1] + a.e[2] * b.e[2]);
+  return sum[0] + sum[1];
+}
+void add_scaled(double factor, const Six& a, Six& x) {
+  for (int r = 0; r < 3; ++r) x.e[r] += factor * a.e[r];
+}
+
+// The inertia of a link on all of its motion, by columns.
+struct Inertia6 {
+  Six column[6];
+  explicit Inertia6(const Inertia& inertia) {
+    const Mat3& I = inertia.second;
+    const Vec3& c = inertia.moment;
+    const double m = inertia.mass;
+    column[0] = {{Pair{I(0, 0), I(1, 0)}, Pair{I(2, 0), 0.0}, Pair{-c.z(), c.y()}}};
+    column[1] = {{Pair{I(0, 1), I(1, 1)}, Pair{I(2, 1), c.z()}, Pair{0.0, -c.x()}}};
+    column[2] = {{Pair{I(0, 2), I(1, 2)}, Pair{I(2, 2), -c.y()}, Pair{c.x(), 0.0}}};
+    column[3] = {{Pair{0.0, c.z()}, Pair{-c.y(), m}, Pair{0.0, 0.0}}};
+    column[4] = {{Pair{-c.z(), 0.0}, Pair{c.x(), 0.0}, Pair{m, 0.0}}};
+    column[5] = {{Pair{c.y(), -c.x()}, Pair{0.0, 0.0}, Pair{0.0, m}}};
+  }
+  void operator+=(const Inertia6& other) {
+    for (int j = 0; j < 6; ++j) add_scaled(1.0, other.column[j], column[j]);
+  }
+  Six operator*(const Six& v) const {
+    Six out;
+    for (int r = 0; r < 3; ++r) {
+      out.e[r] = column[0].e[r] * v.e[0][0];
+      for (int k = 1; k < 6; ++k) out.e[r] += column[k].e[r] * v.e[k / 2][k % 2];
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 void solve_mass_recursively(const Component& c, double* x) {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Mat6 = Eigen::Matrix<double, 6, 6>;
+  const Linkage& l = *c.linkage;
   struct Axis {
-    Vec6 S, U;
+    Six U;
     double inverse;  // of D
   };
-  static thread_local std::vector<Mat6> A;
-  static thread_local std::vector<Vec6> p;
+  static thread_local std::vector<Inertia6> inertias;
+  static thread_local std::vector<Six> forces;
   static thread_local std::vector<Axis> axes;
   const std::size_t count = c.links.size();
-  A.resize(count);
-  p.assign(count, Vec6::Zero());
+  inertias.clear();
+  for (const Inertia& inertia : l.inertias) inertias.emplace_back(inertia);
+  forces.assign(count, Six());
   axes.resize(c.speeds.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const Inertia& inertia = c.inertias[i];
-    const Vec3& m = inertia.moment;
-    Mat3 cross;
-    cross << 0.0, -m.z(), m.y(), m.z(), 0.0, -m.x(), -m.y(), m.x(), 0.0;
-    A[i] << inertia.second, cross, -cross, inertia.mass * Mat3::Identity();
-  }
   // A joint of several axes is one after the other, with nothing between them.
   for (std::size_t i = count; i-- > 0;) {
-    for (int k = c.end_of(i); k-- > c.first[i];) {
+    Inertia6 A = inertias[i];
+    Six p = forces[i];
+    for (int k = c.end_of(i); k-- > l.first[i];) {
       Axis& axis = axes[std::size_t(k)];
-      const Spatial& column = c.motion[std::size_t(k)];
-      axis.S << column.angular, column.linear;
-      axis.U.noalias() = A[i] * axis.S;
-      const double rotor = c.rotors.empty() ? 0.0 : c.rotors[std::size_t(k)];
-      axis.inverse = 1.0 / (axis.S.dot(axis.U) + rotor);
-      x[k] -= axis.S.dot(p[i]);
-      A[i].noalias() -= (axis.inverse * axis.U) * axis.U.transpose();
-      p[i] += (axis.inverse * x[k]) * axis.U;
+      const Six S = six(l.motion[std::size_t(k)]);
+      const Six U = axis.U = A * S;
+      const double rotor = l.rotors.empty() ? 0.0 : l.rotors[std::size_t(k)];
+      axis.inverse = 1.0 / (dot(S, U) + rotor);
+      x[k] -= dot(S, p);
+      add_scaled(axis.inverse * x[k], U, p);
+      const Six w = {{axis.inverse * U.e[0], axis.inverse * U.e[1], axis.inverse * U.e[2]}};
+      for (int j = 0; j < 6; ++j) add_scaled(-U.e[j / 2][j % 2], w, A.column[j]);
     }
-    if (c.inboard[i] < 0) continue;
-    A[std::size_t(c.inboard[i])] += A[i];
-    p[std::size_t(c.inboard[i])] += p[i];
+    if (l.inboard[i] < 0) continue;
+    inertias[std::size_t(l.inboard[i])] += A;
+    add_scaled(1.0, p, forces[std::size_t(l.inboard[i])]);
   }
-  // From here on `p` is the acceleration.
+  // From here on they are the accelerations.
   for (std::size_t i = 0; i < count; ++i) {
-    p[i] = c.inboard[i] < 0 ? Vec6(Vec6::Zero()) : p[std::size_t(c.inboard[i])];
-    for (int k = c.first[i]; k < c.end_of(i); ++k) {
+    Six& a = forces[i];
+    a = l.inboard[i] < 0 ? Six() : forces[std::size_t(l.inboard[i])];
+    for (int k = l.first[i]; k < c.end_of(i); ++k) {
       const Axis& axis = axes[std::size_t(k)];
-      x[k] = axis.inverse * (x[k] - axis.U.dot(p[i]));
-      p[i] += x[k] * axis.S;
+      x[k] = axis.inverse * (x[k] - dot(axis.U, a));
+      add_scaled(x[k], six(l.motion[std::size_t(k)]), a);
     }
   }
 }
 
 void solve_mass_often(Component& c, const double* j, double* w) {
   const int n = c.size();
-  if (c.is_free_body || (n > kSmallInverse && ++c.rows <= n / 3)) {
+  if (c.is_free_body || (n > kSmallInverse && ++c.linkage->rows <= n / 3)) {
     std::copy(j, j + n, w);
     solve_mass(c, w);
     return;
   }
-  if (!c.has_inverse) {
-    c.has_inverse = true;
-    form_inverse(c.factor, n, c.inverse);
+  Linkage& l = *c.linkage;
+  if (!l.has_inverse) {
+    l.has_inverse = true;
+    form_inverse(l.factor, n, l.inverse);
   }
   std::fill(w, w + n, 0.0);
   for (int i = 0; i < n; ++i) {
-    if (j[i] != 0.0) add_scaled(j[i], &c.inverse[std::size_t(i * n)], n, w);
+    if (j[i] != 0.0) add_scaled(j[i], &l.inverse[std::size_t(i * n)], n, w);
   }
 }
 
@@ -321,9 +370,9 @@ void fill_row(const Component& c, int position_of_link, const Spatial& wrench, d
     Eigen::Map<Vec3>(row + 3) += sign * wrench.linear;
     return;
   }
-  for (int i = position_of_link; i >= 0; i = c.inboard[std::size_t(i)]) {
-    for (int k = c.first[std::size_t(i)]; k < c.end_of(std::size_t(i)); ++k)
-      row[k] += sign * dot(c.motion[std::size_t(k)], wrench);
+  for (int i = position_of_link; i >= 0; i = c.linkage->inboard[std::size_t(i)]) {
+    for (int k = c.linkage->first[std::size_t(i)]; k < c.end_of(std::size_t(i)); ++k)
+      row[k] += sign * dot(c.linkage->motion[std::size_t(k)], wrench);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "mechanism/spatial.h"
@@ -55,43 +56,51 @@ struct Indices {
   Iterator end() const { return {first + count}; }
 };
 
-struct Component {
-  // Fixed by the topology.
-  Indices links;             ///< of Mechanism::links(); parents first
-  Indices speeds;            ///< u index of each local degree of freedom
+/// What a component has beside one free body, for which closed forms hold. Fixed by the topology:
+struct Linkage {
   std::vector<int> first;    ///< first local degree of freedom of each of `links`
   std::vector<int> inboard;  ///< position in `links` of the parent; -1: none in this component
   struct Range {
     int first = 0, end = 0;
   };
-  std::vector<Range> trees;    ///< degrees of freedom of each; one, unless there are welds
-  std::vector<int> tree;       ///< of each of `links`
+  std::vector<Range> trees;  ///< degrees of freedom of each; one, unless there are welds
+  std::vector<int> tree;     ///< of each of `links`
   std::vector<Weld> welds;
   std::vector<double> rotors;  ///< inertia of the rotor on each degree of freedom; empty: none
-  bool is_free_body = false;   ///< one free body: closed forms hold
-  bool asleep = false;         ///< its speeds are and stay 0, see sleep.h
-  int size() const { return speeds.count; }
-  /// One beyond the last local degree of freedom of a link at a position in `links`.
-  int end_of(std::size_t at) const { return at + 1 < first.size() ? first[at + 1] : size(); }
 
-  // At one configuration: that of this version of the state's coordinates.
-  std::int64_t motion_version = -1;     ///< of origin, inertias, motion
-  std::int64_t version = -1;            ///< of the rest
-  Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
-  std::vector<Inertia> inertias;        ///< of each of `links`; not of a free body
-  std::vector<Spatial> motion;          ///< velocity of the outboard bodies per unit speed (size);
-                                        ///< not of a free body
-  // Of a free body only: M^-1 = root root^T. The solver's speeds of it are scaled by root^-1, see islands.h.
-  double linear_root = 0.0;
-  Mat3 angular_root = Mat3::Zero();     ///< world axes
-  std::vector<double> factor;           ///< lower Cholesky factor of the mass matrix (size x size),
-                                        ///< its diagonal inverted
-  std::vector<double> inverse;          ///< M^-1 (size x size), the loops ignored
-  bool has_inverse = false;             ///< `inverse` is of this configuration
-  int rows = 0;                         ///< that M^-1 was multiplied with at this configuration
+  // At one configuration.
+  std::vector<Inertia> inertias;  ///< of each of `links`
+  std::vector<Spatial> motion;    ///< velocity of the outboard bodies per unit speed (size)
+  std::vector<double> factor;     ///< lower Cholesky factor of the mass matrix (size x size),
+                                  ///< its diagonal inverted
+  std::vector<double> inverse;    ///< M^-1 (size x size), the loops ignored
+  bool has_inverse = false;       ///< `inverse` is of this configuration
+  int rows = 0;                   ///< that M^-1 was multiplied with at this configuration
   Loops loops;
   std::vector<Spatial>
       bias;  ///< find_bias: accelerations of `links` while the coordinates' are zero
+};
+
+struct Component {
+  Indices links;                     ///< of Mechanism::links(); parents first
+  Indices speeds;                    ///< u index of each local degree of freedom
+  std::unique_ptr<Linkage> linkage;  ///< none: one free body
+  bool is_free_body = false;         ///< likewise
+  bool asleep = false;               ///< its speeds are and stay 0, see sleep.h
+  int size() const { return speeds.count; }
+  bool has_loops() const { return linkage && !linkage->welds.empty(); }
+  /// One beyond the last local degree of freedom of a link at a position in `links`.
+  int end_of(std::size_t at) const {
+    return at + 1 < linkage->first.size() ? linkage->first[at + 1] : size();
+  }
+
+  // At one configuration: that of this version of the state's coordinates.
+  std::int64_t motion_version = -1;     ///< of inertias and motion
+  std::int64_t version = -1;            ///< of the rest
+  Vec3 origin = Vec3::Zero();           ///< what `motion` refers to [m]
+  // Of a free body only: M^-1 = root root^T. The solver's speeds of it are scaled by root^-1, see islands.h.
+  double linear_root = 0.0;
+  Mat3 angular_root = Mat3::Zero();  ///< world axes
 
   /// Position of a link in `links`; -1: it is not of this component.
   int find(int link) const {

@@ -74,18 +74,12 @@ JointMotion joint_motion(const SceneModel& model, const Link& link, const double
 }  // namespace
 
 Placement inboard_frame(const Link& link, const std::vector<LinkMotion>& motions) {
-  if (link.plan.parent < 0) return link.mounting.X_PI;
-  return motions[std::size_t(link.plan.parent)].X * link.mounting.X_PI;
+  if (link.plan.parent < 0) return link.mounting->X_PI;
+  return motions[std::size_t(link.plan.parent)].X * link.mounting->X_PI;
 }
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan) {
   Mounting out;
-  const Body& body = model.bodies[std::size_t(plan.body)];
-  if (plan.joint < 0) {
-    if (body.kind != BodyKind::kinematic) out.centre = body.com;
-    out.has_quaternion = true;
-    return out;
-  }
   const Joint& joint = model.joints[std::size_t(plan.joint)];
   const Placement X_PF(joint.X_PF), X_CM(joint.X_CM);
   const auto inverse = [](const Placement& X) {
@@ -119,12 +113,9 @@ Mounting mount(const SceneModel& model, const PlannedLink& plan) {
     case JointType::universal:
     case JointType::gimbal:
     case JointType::planar:
-      out.kind = Mounting::Kind::other;
-      break;
     case JointType::ball:
     case JointType::free:
       out.kind = Mounting::Kind::other;
-      out.has_quaternion = true;
       break;
   }
   return out;
@@ -135,14 +126,15 @@ void find_poses(const SceneModel& model, const std::vector<Link>& links, const d
   out.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
-    const Mounting& mounting = link.mounting;
     const double* const own = q + link.first_q;
     Placement& X = out[i].X;
+    if (!link.mounting) {
+      X.R = rotation_of(own);
+      X.p = entries(own + 4) - X.R * link.centre();
+      continue;
+    }
+    const Mounting& mounting = *link.mounting;
     switch (mounting.kind) {
-      case Mounting::Kind::base:
-        X.R = rotation_of(own);
-        X.p = entries(own + 4) - X.R * mounting.centre;
-        break;
       case Mounting::Kind::fixed:
         X = inboard_frame(link, out) * mounting.X_OB;
         break;
@@ -161,14 +153,14 @@ void find_velocities(const SceneModel& model, const std::vector<Link>& links, co
   const LinkMotion still;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& link = links[i];
-    const Mounting& mounting = link.mounting;
     const double* const own = u + link.first_u;
     LinkMotion& motion = out[i];
-    if (mounting.kind == Mounting::Kind::base) {
+    if (!link.mounting) {
       motion.angular = entries(own);
-      motion.linear = entries(own + 3) - motion.angular.cross(motion.X.R * mounting.centre);
+      motion.linear = entries(own + 3) - motion.angular.cross(motion.X.R * link.centre());
       continue;
     }
+    const Mounting& mounting = *link.mounting;
     const bool carried = link.plan.parent >= 0;
     const LinkMotion& inboard = carried ? out[std::size_t(link.plan.parent)] : still;
     motion.angular = inboard.angular;
@@ -227,7 +219,7 @@ void find_rates(const std::vector<Link>& links, const double* q, const double* u
   for (const Link& link : links) {
     const double* const own_u = u + link.first_u;
     double* const rate = qdot + link.first_q;
-    if (!link.mounting.has_quaternion) {
+    if (!link.has_quaternion) {
       std::copy(own_u, own_u + link.nu, rate);
       continue;
     }

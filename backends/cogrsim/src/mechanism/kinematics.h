@@ -20,27 +20,23 @@ struct LinkMotion {
   Vec3 velocity_at(const Vec3& point) const { return linear + angular.cross(point - X.p); }
 };
 
-/// How a link is connected to its inboard body. Frames: I is the joint's frame on the inboard side, O
+/// How a joint connects a link to its inboard body. Frames: I is the joint's frame on the inboard side, O
 /// the one on the outboard side, B the link's body, P the body inboard of it.
 struct Mounting {
   enum class Kind {
-    base,   ///< moves freely in the world: its coordinates are those of a point of it
     fixed,  ///< not at all
     axis,   ///< turns about and slides along z of I: hinge, slider, screw, cylindrical
     other   ///< as the model defines the joint
   };
-  Kind kind = Kind::base;
-  Placement X_PI;              ///< X_WI where nothing inboard moves
-  Placement X_OB;              ///< not of a base
-  Vec3 p_BO = Vec3::Zero();    ///< likewise
-  Vec3 centre = Vec3::Zero();  ///< base: the point, in B [m]
+  Kind kind = Kind::axis;
+  Placement X_PI;  ///< X_WI where nothing inboard moves
+  Placement X_OB;
+  Vec3 p_BO = Vec3::Zero();
   // axis: with the outboard side the joint's parent, all goes backwards.
   double sign = 1.0;
   double lead = 0.0;   ///< slides by this per angle [m/rad]
   bool turns = false;  ///< by its first coordinate
   int slide = -1;      ///< which coordinate it slides by; -1: none
-  /// Its first four coordinates are one; else the coordinates' rates are the speeds.
-  bool has_quaternion = false;
 };
 
 Mounting mount(const SceneModel& model, const PlannedLink& plan);

@@ -43,8 +43,8 @@ using RowScale = std::array<double, 2>;
 
 // Fills the rows G and W of a weld; returns its own block of A = G M^-1 G'.
 Matrix6 fill_weld_rows(const Mechanism& mechanism, Component& c, std::size_t w) {
-  Loops& loops = c.loops;
-  const Weld& weld = c.welds[w];
+  Loops& loops = c.linkage->loops;
+  const Weld& weld = c.linkage->welds[w];
   const Vec3 r = ends_of(mechanism, weld).shadow.X.p - c.origin;
   Matrix6 A;
   for (int axis = 0; axis < 6; ++axis) {
@@ -56,7 +56,8 @@ Matrix6 fill_weld_rows(const Mechanism& mechanism, Component& c, std::size_t w) 
     fill_row(c, weld.primary_at, wrench, -1.0, g);
     std::copy(g + weld.first, g + weld.end, response + weld.first);
     solve_mass(c, response, weld.shadow_at);
-    if (c.tree[std::size_t(weld.shadow_at)] != c.tree[std::size_t(weld.primary_at)])
+    if (c.linkage->tree[std::size_t(weld.shadow_at)] !=
+        c.linkage->tree[std::size_t(weld.primary_at)])
       solve_mass(c, response, weld.primary_at);
     for (int k = 0; k <= axis; ++k)
       A(axis, k) = A(k, axis) = product(loops.G.row(Eigen::Index(6 * w) + k).data() + weld.first,
@@ -82,20 +83,21 @@ RowScale normalize(Matrix6& A) {
 // Returns the first column that is not zero.
 int eliminate_earlier_rows(const Component& c, std::size_t w, const RowScale& scale, double* head,
                            Matrix6& A) {
-  const Loops& loops = c.loops;
-  const Weld& weld = c.welds[w];
-  const std::size_t stride = 6 * c.welds.size();
+  const Loops& loops = c.linkage->loops;
+  const Weld& weld = c.linkage->welds[w];
+  const std::size_t stride = 6 * c.linkage->welds.size();
   const int before = int(loops.independent.size());
   int lead = before;
   for (int k = before; k-- > 0;)
-    if (overlap(weld, c.welds[std::size_t(loops.independent[std::size_t(k)].weld)]).size > 0)
+    if (overlap(weld, c.linkage->welds[std::size_t(loops.independent[std::size_t(k)].weld)]).size >
+        0)
       lead = k;
   for (int i = 0; i < 6; ++i) {
     double* const l = head + std::size_t(i) * stride;
     const double* const g = loops.G.row(Eigen::Index(6 * w) + i).data();
     for (int k = lead; k < before; ++k) {
       const Loops::IndependentRow& other = loops.independent[std::size_t(k)];
-      const Overlap both = overlap(weld, c.welds[std::size_t(other.weld)]);
+      const Overlap both = overlap(weld, c.linkage->welds[std::size_t(other.weld)]);
       double a = 0.0;
       if (both.size > 0)
         a = scale[std::size_t(i / 3)] * other.scale *
@@ -115,8 +117,8 @@ int eliminate_earlier_rows(const Component& c, std::size_t w, const RowScale& sc
 // Appends the weld's independent rows to the factor, the largest pivot of the Schur complement first.
 void append_independent_rows(Component& c, std::size_t w, const RowScale& scale, int lead,
                              const double* head, Matrix6& A) {
-  Loops& loops = c.loops;
-  const std::size_t stride = 6 * c.welds.size();
+  Loops& loops = c.linkage->loops;
+  const std::size_t stride = 6 * c.linkage->welds.size();
   const int before = int(loops.independent.size());
   std::array<std::array<double, 6>, 6> own{};  // the six rows' entries in the new columns
   std::array<bool, 6> taken{};
@@ -144,8 +146,8 @@ void append_independent_rows(Component& c, std::size_t w, const RowScale& scale,
 }  // namespace
 
 void update_loops(const Mechanism& mechanism, Component& c) {
-  const std::size_t nweld = c.welds.size();
-  Loops& loops = c.loops;
+  const std::size_t nweld = c.linkage->welds.size();
+  Loops& loops = c.linkage->loops;
   loops.G.setZero(Eigen::Index(6 * nweld), c.size());
   loops.W.setZero(Eigen::Index(6 * nweld), c.size());
   loops.factor.resize(36 * nweld * nweld);
@@ -161,15 +163,16 @@ void update_loops(const Mechanism& mechanism, Component& c) {
 }
 
 void close_loops(const Component& c, double* x, const double* wanted) {
-  const Loops& loops = c.loops;
+  if (!c.has_loops()) return;
+  const Loops& loops = c.linkage->loops;
   const int count = int(loops.independent.size());
-  const std::size_t stride = 6 * c.welds.size();
+  const std::size_t stride = 6 * c.linkage->welds.size();
   static thread_local std::vector<double> impulse;
   impulse.resize(std::size_t(count));
   double* const l = impulse.data();
   for (int i = 0; i < count; ++i) {
     const Loops::IndependentRow& independent = loops.independent[std::size_t(i)];
-    const Weld& weld = c.welds[std::size_t(independent.weld)];
+    const Weld& weld = c.linkage->welds[std::size_t(independent.weld)];
     double value = product(loops.G.row(independent.row).data() + weld.first, x + weld.first,
                            weld.end - weld.first);
     if (wanted) value -= wanted[independent.row];
@@ -180,7 +183,7 @@ void close_loops(const Component& c, double* x, const double* wanted) {
   }
   for (int i = count; i-- > 0;) {
     const Loops::IndependentRow& independent = loops.independent[std::size_t(i)];
-    const Weld& weld = c.welds[std::size_t(independent.weld)];
+    const Weld& weld = c.linkage->welds[std::size_t(independent.weld)];
     const double* const row = &loops.factor[std::size_t(i) * stride];
     l[i] *= row[i];
     add_scaled(-l[i], row + independent.lead, i - independent.lead, l + independent.lead);
@@ -191,8 +194,8 @@ void close_loops(const Component& c, double* x, const double* wanted) {
 
 double find_loop_gaps(const Mechanism& mechanism, const Component& c, double* e) {
   double most = 0.0;
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
-    const Ends ends = ends_of(mechanism, c.welds[w]);
+  for (std::size_t w = 0; w < c.linkage->welds.size(); ++w) {
+    const Ends ends = ends_of(mechanism, c.linkage->welds[w]);
     const Eigen::AngleAxisd turn(ends.shadow.X.R * ends.primary.X.R.transpose());
     // Of a small angle only the skew part keeps its digits.
     const Mat3 R = ends.shadow.X.R * ends.primary.X.R.transpose();
@@ -207,31 +210,32 @@ double find_loop_gaps(const Mechanism& mechanism, const Component& c, double* e)
 }
 
 void find_loop_speeds(const Mechanism& mechanism, const Component& c, double* e) {
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
-    const Ends ends = ends_of(mechanism, c.welds[w]);
+  for (std::size_t w = 0; w < c.linkage->welds.size(); ++w) {
+    const Ends ends = ends_of(mechanism, c.linkage->welds[w]);
     write_spatial(ends.shadow.angular - ends.primary.angular,
                   ends.shadow.linear - ends.primary.velocity_at(ends.shadow.X.p), e + 6 * w);
   }
 }
 
 void find_loop_bias(const Mechanism& mechanism, const Component& c, double* b) {
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
-    const Weld& weld = c.welds[w];
+  for (std::size_t w = 0; w < c.linkage->welds.size(); ++w) {
+    const Weld& weld = c.linkage->welds[w];
     const Ends ends = ends_of(mechanism, weld);
     const Vec3 at = ends.shadow.X.p;
     write_spatial(
-        c.bias[std::size_t(weld.shadow_at)].angular - c.bias[std::size_t(weld.primary_at)].angular,
+        c.linkage->bias[std::size_t(weld.shadow_at)].angular -
+            c.linkage->bias[std::size_t(weld.primary_at)].angular,
         bias_at(c, weld.shadow_at, ends.shadow, at) - bias_at(c, weld.primary_at, ends.primary, at),
         b + 6 * w);
   }
 }
 
 void add_loop_rows(const Component& c, double factor, const double* x, double* e) {
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
-    const Weld& weld = c.welds[w];
+  for (std::size_t w = 0; w < c.linkage->welds.size(); ++w) {
+    const Weld& weld = c.linkage->welds[w];
     for (std::size_t i = 6 * w; i < 6 * w + 6; ++i)
-      e[i] += factor * product(c.loops.G.row(Eigen::Index(i)).data() + weld.first, x + weld.first,
-                               weld.end - weld.first);
+      e[i] += factor * product(c.linkage->loops.G.row(Eigen::Index(i)).data() + weld.first,
+                               x + weld.first, weld.end - weld.first);
   }
 }
 

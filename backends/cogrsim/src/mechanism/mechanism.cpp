@@ -26,9 +26,10 @@ Mechanism::Mechanism(SceneModelPtr model) : model_(std::move(model)), plan_(plan
     link.first_u = nu;
     nq += link.nq;
     nu += link.nu;
-    if (link.mounting.has_quaternion) quaternions_.push_back(link.first_q);
-    links_.push_back(link);
+    if (link.has_quaternion) quaternions_.push_back(link.first_q);
+    links_.push_back(std::move(link));
   }
+  plan_.links = {};
   state = State(nq, nu);
   set_external({});
   make_components();
@@ -48,12 +49,11 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
   const Body& body = model_->bodies[std::size_t(plan.body)];
   Link link;
   link.plan = plan;
-  link.mounting = mount(*model_, plan);
+  if (plan.joint >= 0) link.mounting = std::make_unique<Mounting>(mount(*model_, plan));
   link.kinematic = body.kind == BodyKind::kinematic;
   link.component = plan.component;
   link.mass = plan.share * body.mass;
   link.com = body.com;
-  link.weight = body.gravity_scale * link.mass * model_->physics.gravity;
   link.inertia = plan.share * body.inertia;
   // With the inertia I = C C^T its inverse is C^-T C^-1.
   const Mat3 upper = link.inertia.llt().matrixU();
@@ -62,6 +62,7 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
       plan.joint < 0 ? JointType::free : model_->joints[std::size_t(plan.joint)].type;
   link.nq = position_count(type);
   link.nu = speed_count(type);
+  link.has_quaternion = type == JointType::free || type == JointType::ball;
   if (type == JointType::free) {
     link.q_map = {4, 5, 6, 0, 1, 2, 3};
     link.u_map = {3, 4, 5, 0, 1, 2};
@@ -70,6 +71,7 @@ Link Mechanism::make_link(const PlannedLink& plan) const {
 }
 
 void Mechanism::make_components() {
+  components_.reserve(std::size_t(links_.empty() ? 0 : links_.back().component + 1));
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     has_loops_ = has_loops_ || link.plan.shadow;
@@ -84,9 +86,11 @@ void Mechanism::make_components() {
     c.speeds.count += link.nu;
   }
   for (Component& c : components_) {
-    arrange(c);
     c.is_free_body = c.links.size() == 1 && links_[std::size_t(c.links[0])].plan.joint < 0;
-    if (!c.is_free_body) c.motion.resize(std::size_t(c.size()));
+    if (c.is_free_body) continue;
+    c.linkage = std::make_unique<Linkage>();
+    arrange(c);
+    c.linkage->motion.resize(std::size_t(c.size()));
     add_rotors(c);
   }
 }
@@ -95,11 +99,11 @@ void Mechanism::arrange(Component& c) const {
   for (const int i : c.links) {
     const Link& link = links_[std::size_t(i)];
     const int first = link.first_u - c.speeds.first;
-    c.first.push_back(first);
-    c.inboard.push_back(c.find(link.plan.parent));
-    if (c.inboard.back() < 0) c.trees.push_back({first, first});
-    c.tree.push_back(int(c.trees.size()) - 1);
-    c.trees.back().end = first + link.nu;
+    c.linkage->first.push_back(first);
+    c.linkage->inboard.push_back(c.find(link.plan.parent));
+    if (c.linkage->inboard.back() < 0) c.linkage->trees.push_back({first, first});
+    c.linkage->tree.push_back(int(c.linkage->trees.size()) - 1);
+    c.linkage->trees.back().end = first + link.nu;
   }
   for (int i : c.links) {
     const PlannedLink& plan = links_[std::size_t(i)].plan;
@@ -109,11 +113,13 @@ void Mechanism::arrange(Component& c) const {
     weld.primary = body_link(plan.body);
     weld.shadow_at = c.find(weld.shadow);
     weld.primary_at = c.find(weld.primary);
-    const Component::Range& a = c.trees[std::size_t(c.tree[std::size_t(weld.shadow_at)])];
-    const Component::Range& b = c.trees[std::size_t(c.tree[std::size_t(weld.primary_at)])];
+    const Linkage::Range& a =
+        c.linkage->trees[std::size_t(c.linkage->tree[std::size_t(weld.shadow_at)])];
+    const Linkage::Range& b =
+        c.linkage->trees[std::size_t(c.linkage->tree[std::size_t(weld.primary_at)])];
     weld.first = std::min(a.first, b.first);
     weld.end = std::max(a.end, b.end);
-    c.welds.push_back(weld);
+    c.linkage->welds.push_back(weld);
   }
 }
 
@@ -126,8 +132,8 @@ void Mechanism::add_rotors(Component& c) const {
       const std::size_t axis = joint.type == JointType::ball ? 0 : std::size_t(k);
       const double rotor = joint.axes[axis].rotor_inertia;
       if (rotor <= 0.0) continue;
-      c.rotors.resize(std::size_t(c.size()));
-      c.rotors[std::size_t(c.first[at] + link.u_map[std::size_t(k)])] = rotor;
+      c.linkage->rotors.resize(std::size_t(c.size()));
+      c.linkage->rotors[std::size_t(c.linkage->first[at] + link.u_map[std::size_t(k)])] = rotor;
     }
   }
 }
@@ -137,8 +143,11 @@ void Mechanism::set_external(const std::vector<Wrench>& forces) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     Wrench& load = loads_[i];
-    load = {link.kinematic ? Vec3(Vec3::Zero()) : link.weight, Vec3::Zero()};
-    if (forces.empty() || link.kinematic) continue;
+    load = {};
+    if (link.kinematic) continue;
+    load.force = model_->bodies[std::size_t(link.plan.body)].gravity_scale * link.mass *
+                 model_->physics.gravity;
+    if (forces.empty()) continue;
     // A body that was cut to open a loop shares them as it shares its mass.
     const Wrench& external = forces[std::size_t(link.plan.body)];
     load.force += link.plan.share * external.force;
@@ -197,13 +206,13 @@ void Mechanism::close_coordinates() {
   Values from, shift(state.nu()), rates;
   double before = std::numeric_limits<double>::infinity(), share = 1.0;
   const auto measure = [&](Component& c) {
-    gaps.resize(6 * c.welds.size());
+    gaps.resize(6 * c.linkage->welds.size());
     return find_loop_gaps(*this, c, gaps.data());
   };
   for (int count = 0; count < kMostProjections; ++count) {
     double most = 0.0;
     for (Component& c : components_)
-      if (!c.welds.empty()) most = std::max(most, measure(c));
+      if (c.has_loops()) most = std::max(most, measure(c));
     // What is left does not get less: rounding.
     if (most <= kClosed || (most < kCannotClose && most > 0.5 * before)) return;
     if (most < before || share < kLeastShare) {
@@ -211,7 +220,7 @@ void Mechanism::close_coordinates() {
       before = most;
       shift.setZero();
       for (Component& c : components_) {
-        if (c.welds.empty() || !(measure(c) > kClosed)) continue;
+        if (!c.has_loops() || !(measure(c) > kClosed)) continue;
         update_component(*this, c);
         change.assign(std::size_t(c.size()), 0.0);
         for (double& e : gaps) e = -e;
@@ -234,9 +243,9 @@ void Mechanism::project_speeds() {
   static thread_local std::vector<double> wanted, change;
   Values projected = state.u();
   for (Component& c : components_) {
-    if (c.welds.empty()) continue;
+    if (!c.has_loops()) continue;
     update_component(*this, c);
-    wanted.resize(6 * c.welds.size());
+    wanted.resize(6 * c.linkage->welds.size());
     find_loop_speeds(*this, c, wanted.data());
     for (double& e : wanted) e = -e;
     change.assign(std::size_t(c.size()), 0.0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,18 +18,20 @@ namespace cogrsim::dynamics {
 /// its speeds are angular velocity and velocity of that point, in world axes.
 struct Link {
   PlannedLink plan;
-  Mounting mounting;
+  std::unique_ptr<const Mounting> mounting;  ///< none: a base
   bool kinematic = false;
+  bool has_quaternion = false;  ///< its first four q; else the rates of q are its u
   int first_q = 0, nq = 0, first_u = 0, nu = 0;
   /// q_map[i]: index, among its own q, of the model's q_i; u_map likewise.
-  std::array<int, 7> q_map{0, 1, 2, 3, 4, 5, 6};
-  std::array<int, 6> u_map{0, 1, 2, 3, 4, 5};
+  std::array<std::uint8_t, 7> q_map{0, 1, 2, 3, 4, 5, 6};
+  std::array<std::uint8_t, 6> u_map{0, 1, 2, 3, 4, 5};
   double mass = 0.0;                ///< its share
   Vec3 com = Vec3::Zero();          ///< body frame
-  Vec3 weight = Vec3::Zero();       ///< of its share [N]
   Mat3 inertia = Mat3::Identity();  ///< its share, about com, body axes
   Mat3 root = Mat3::Identity();  ///< of the inverse inertia: root root^T
   int component = -1;  ///< -1: kinematic
+  /// Of a base: the point whose coordinates are its own, in its body's frame [m].
+  Vec3 centre() const { return kinematic ? Vec3(Vec3::Zero()) : com; }
 };
 
 class Mechanism {

@@ -53,8 +53,8 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
     const Spatial about_origin{w.angular / record.dt - c.origin.cross(w.linear / record.dt),
                                w.linear / record.dt};
     for (int k = 0; k < link.nu; ++k) {
-      const int local = c.first[i] + k;
-      excess[local] = dot(c.motion[std::size_t(local)], about_origin);
+      const int local = c.linkage->first[i] + k;
+      excess[local] = dot(c.linkage->motion[std::size_t(local)], about_origin);
       if (link.plan.joint < 0) continue;
       const Joint& joint = model.joints[std::size_t(link.plan.joint)];
       for (int model_axis = 0; model_axis < link.nu; ++model_axis)
@@ -62,18 +62,18 @@ void share_loops(Mechanism& m, Component& c, const StepRecord& record,
           excess[local] -= (*record.joint_efforts)[std::size_t(joint.speed_offset + model_axis)];
     }
   }
-  const Eigen::MatrixXd Gt = c.loops.G.transpose();
+  const Eigen::MatrixXd Gt = c.linkage->loops.G.transpose();
   const Eigen::VectorXd f = Gt.completeOrthogonalDecomposition().solve(excess);
-  for (std::size_t w = 0; w < c.welds.size(); ++w) {
+  for (std::size_t w = 0; w < c.linkage->welds.size(); ++w) {
     const Vec3 torque = f.segment<3>(Eigen::Index(6 * w)) * record.dt;
     const Vec3 force = f.segment<3>(Eigen::Index(6 * w + 3)) * record.dt;
-    const Vec3 at = m.motion(m.links()[std::size_t(c.welds[w].shadow)]).X.p;
+    const Vec3 at = m.motion(m.links()[std::size_t(c.linkage->welds[w].shadow)]).X.p;
     const Vec3 moment = torque + at.cross(force);
-    Momenta& shadow = own[std::size_t(c.welds[w].shadow)];
+    Momenta& shadow = own[std::size_t(c.linkage->welds[w].shadow)];
     shadow.linear -= force;
     shadow.angular -= moment;
-    if (c.welds[w].primary < 0) continue;
-    Momenta& primary = own[std::size_t(c.welds[w].primary)];
+    if (c.linkage->welds[w].primary < 0) continue;
+    Momenta& primary = own[std::size_t(c.linkage->welds[w].primary)];
     primary.linear += force;
     primary.angular += moment;
   }
@@ -122,7 +122,7 @@ void calc_joint_reactions(Mechanism& m, const StepRecord& record, std::vector<Wr
   std::vector<Momenta> through = sum_outboard(m, own);
   if (m.has_loops()) {
     for (Component& c : m.components())
-      if (!c.welds.empty()) share_loops(m, c, record, through, own);
+      if (c.has_loops()) share_loops(m, c, record, through, own);
     through = sum_outboard(m, own);
   }
 
