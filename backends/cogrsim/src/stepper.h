@@ -130,7 +130,8 @@ class Stepper {
   Values q0_, u0_, udot_, k_[4], qk_[4], stage_, displaced_, end_u_, smooth_q_, smooth_u_,
       row_udot_;
   const Values* start_udot_ = nullptr;  ///< what led to the middle of the step
-  Values displacement_;                 ///< of the position stage, by speed; then, with the way at the speeds end_u_, of the second half
+  Values
+      displacement_;  ///< of the position stage, by speed; then, with the way at the speeds end_u_, of the second half
 };
 
 }  // namespace cogrsim::dynamics

@@ -11,8 +11,7 @@ constexpr int kLargestDense = 12, kLargestFactored = 48;
 
 }  // namespace
 
-Accelerations::Accelerations(Mechanism& mechanism)
-    : mechanism_(mechanism) {}
+Accelerations::Accelerations(Mechanism& mechanism) : mechanism_(mechanism) {}
 
 void Accelerations::compute(const std::vector<AxisLaw>& laws, Values& udot, const Middle* middle) {
   compute_open(laws, udot);
