@@ -133,6 +133,7 @@ TEST_CASE("inputs of controllers are set, limited, and come again", "[studio][ru
   page.get("step", {{"count", 100}});
   CHECK(set("speed", -1.5) == -1.5);
   page.get("step", {{"count", 100}});
+  page.hash_after(200);
   CHECK(page.status().at("controllers").at(0).at("inputs").at(0).at("value") == -1.5);
   // beyond its limits: what it takes is answered, and recorded
   CHECK(set("trim", 1e6) == 0.5);
@@ -168,6 +169,15 @@ TEST_CASE("inputs of controllers are set, limited, and come again", "[studio][ru
   REQUIRE(done < 400);
   page.get("step", {{"count", 400 - done}});
   CHECK(page.hash_after(400) == hash);
+
+  // What is given at a pause has not reached the run that an edit ends.
+  CHECK(set("speed", 2.5) == 2.5);
+  std::string heavier = text;
+  heavier.insert(heavier.find("</scene>"), "  <box name=\"late\" size=\"1 1 1 cm\" xyz=\"9 9 9\"/>\n");
+  page.show(heavier);
+  page.get("step", {{"count", 1}});
+  page.hash_after(401);
+  CHECK(page.status().at("controllers").at(0).at("inputs").at(0).at("value") == 2.5);
 }
 
 TEST_CASE("a body that is pulled comes to where it is pulled", "[studio][run][hands]") {

@@ -194,7 +194,12 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
   }
   scene_ = scene;
   created_with_ = options;
+  // What a person gave since the last step waits in the run that ends here.
+  std::vector<Command> waiting;
+  for (const cli::Input& input : inputs_.list)
+    if (input.step == simulation_->step_count()) waiting.push_back(input.command);
   adopt(std::move(resumed->simulation));
+  for (const Command& command : waiting) simulation_->send(command);
   lose_inputs("the scene, its engine or its plugins were changed");
   anchor();
   take_instant(true);

@@ -599,6 +599,21 @@ export interface Requests {
       target: number;
     };
   };
+  /** sets an input of a controller (`controllers` in `status`) before the next step */
+  input: {
+    fields: {
+      /** dotted name */
+      controller: string;
+      /** name */
+      input: string;
+      /** in its unit */
+      value: number;
+    };
+    answer: {
+      /** as it is limited */
+      value: number;
+    };
+  };
   /** pulls a body by a spring in every step, until `release`, or until this client leaves */
   grab: {
     fields: {

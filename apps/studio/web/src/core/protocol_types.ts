@@ -109,6 +109,8 @@ export interface Status {
   scene: number;
   /** what was done by hand since the start; missing in bundles */
   inputs?: number;
+  /** missing in bundles */
+  controllers?: ControllerInputs[];
   /** of the newest state, as `cogrsim run` prints it; "": it moves. Missing in bundles */
   state_hash?: string;
   compare: Comparison | null;
@@ -777,6 +779,21 @@ export interface FrameJoint {
   /** coordinates [rad] or [m] */
   position: (number | null)[];
   speed: (number | null)[];
+}
+
+export interface ControllerInput {
+  name: string;
+  unit: string;
+  lower: number;
+  upper: number;
+  value: number;
+}
+
+/** A controller that has inputs */
+export interface ControllerInputs {
+  /** dotted name */
+  controller: string;
+  inputs: ControllerInput[];
 }
 
 /** A `<test>` of the scene */

@@ -32,6 +32,8 @@ export class HandStore {
   });
   /** Inputs of controllers that were set here and are not in the status yet, by inputKey(). */
   readonly asked = signal<ReadonlyMap<string, number>>(new Map());
+  /** How many inputs the run had had when one was set here last, by inputKey(). */
+  private readonly givenBefore = new Map<string, number>();
   /** Targets and inputs on their way: one request at a time for each, the newest waits. */
   private readonly waiting = new Map<string, number>();
   private readonly sending = new Set<string>();
@@ -61,14 +63,15 @@ export class HandStore {
         if (inputs > 0) this.any.value = true;
       }),
       effect(() => {
-        const asked = this.asked.peek();
-        const has = new Map<string, number>();
-        for (const { controller, inputs } of state.status.value?.controllers ?? [])
-          for (const { name, value } of inputs) has.set(inputKey(controller, name), value);
-        const left = [...asked].filter(
-          ([key, value]) => has.has(key) && (this.sending.has(key) || has.get(key) !== value),
+        const given = state.status.value?.inputs ?? 0;
+        const names = (state.status.value?.controllers ?? []).flatMap(({ controller, inputs }) =>
+          inputs.map(({ name }) => inputKey(controller, name)),
         );
-        if (left.length < asked.size) this.asked.value = new Map(left);
+        // others set inputs, too: once the status has ours it is right, whatever it says
+        const left = [...this.asked.peek()].filter(
+          ([key]) => names.includes(key) && (this.sending.has(key) || given <= (this.givenBefore.get(key) ?? 0)),
+        );
+        if (left.length < this.asked.peek().size) this.asked.value = new Map(left);
       }),
       effect(() => {
         const now = state.scene.value?.scene ?? -1;
@@ -95,6 +98,7 @@ export class HandStore {
   setInput(controller: string, input: ControllerInput, value: number): void {
     const key = inputKey(controller, input.name);
     const limited = Math.min(Math.max(value, input.lower), input.upper);
+    this.givenBefore.set(key, this.studio.state.status.peek()?.inputs ?? 0);
     this.asked.value = new Map(this.asked.peek()).set(key, limited);
     void this.send(key, limited, this.asked, async (now) => {
       return (await this.studio.link.request("input", { controller, input: input.name, value: now })).value;
