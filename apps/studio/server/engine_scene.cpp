@@ -206,8 +206,11 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
 tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
   auto shown = take(scene);
   refused_.reset();
-  const auto lacks = [](const Diagnostic& d) { return d.code == "CG0801"; };
-  if (!shown && std::any_of(shown.error().begin(), shown.error().end(), lacks))
+  // Another engine may run it.
+  const auto by_engine = [](const Diagnostic& d) {
+    return d.code == "CG0801" || d.code == "CG0802";
+  };
+  if (!shown && std::any_of(shown.error().begin(), shown.error().end(), by_engine))
     refused_ = std::move(scene);
   return shown;
 }
