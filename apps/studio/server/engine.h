@@ -203,6 +203,7 @@ class Engine {
   cli::Inputs inputs_;                         ///< of the present run
   cli::Inputs before_;                         ///< of the last run before it that had any
   SceneModelPtr inputs_scene_, before_scene_;  ///< what these runs started with
+  std::vector<std::string> inputs_without_, before_without_;  ///< and were without
   cli::InputPlayer repeated_{{}};
   std::optional<Grab> grab_;
 

@@ -136,6 +136,7 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
   inputs_.backend = simulation_->backend().name();
   inputs_.dt = simulation_->dt();
   inputs_scene_ = scene.model;
+  inputs_without_ = options.without;
   state_ = State::stopped;
   ending_.clear();
   end_reason_.clear();
