@@ -70,7 +70,8 @@ class FakeEngineOf final : public SceneEngine {
   }
   Pose pose(int body) const { return now_.poses[static_cast<std::size_t>(body)]; }
   Twist twist(int body) const {
-    CHECK((kHoldsTwists || scene_->bodies[static_cast<std::size_t>(body)].kind != BodyKind::kinematic));
+    CHECK((kHoldsTwists ||
+           scene_->bodies[static_cast<std::size_t>(body)].kind != BodyKind::kinematic));
     return now_.twists[static_cast<std::size_t>(body)];
   }
   void move_kinematic(int body, const Twist& twist) {
@@ -229,7 +230,8 @@ TEST_CASE_METHOD(Fixture, "restoring anything needs another engine where one can
   CHECK(x_of(fresh) == 0.5);
 }
 
-TEST_CASE_METHOD(Fixture, "a static body that stands elsewhere in the snapshot needs another engine",
+TEST_CASE_METHOD(Fixture,
+                 "a static body that stands elsewhere in the snapshot needs another engine",
                  "[engine-world]") {
   EngineWorld<FakeEngine> other;
   REQUIRE(other.start(world.model()));
