@@ -132,6 +132,7 @@ Result<std::unique_ptr<Session>> open_session(const StudioOptions& options, Serv
     about_document.path = options.file;
     about_document.parameters = options.parameters;
     about_document.seed = options.seed;
+    about_document.without = options.without;
     about_document.allow_build = options.allow_build;
     about_document.state_folder = user_state_folder();
     auto opened = Document::open(std::move(about_document), session->document_loader,

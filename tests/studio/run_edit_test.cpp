@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "../support/temporary_folder.h"
@@ -46,6 +47,13 @@ std::vector<float> pose_at(Page& page, double step, const std::string& body) {
   }
   FAIL("there is no body " << body);
   return {};
+}
+
+/// Whether the run shows that scene.
+bool takes(Page& page, const Scene& scene) {
+  std::promise<bool> promise;
+  page.run().show(scene, [&](const auto& taken) { promise.set_value(taken.has_value()); });
+  return promise.get_future().get();
 }
 
 }  // namespace
@@ -187,6 +195,77 @@ TEST_CASE("a scene that its engine refuses runs once another one takes it", "[st
   }
   page.get("step", {{"count", 3}});
   page.hash_after(3);
+}
+
+TEST_CASE("what an engine has but cannot build is not for leaving out", "[studio][run]") {
+  const std::string scene = R"(<scene name="roll" version="1">
+  <physics backend="cogrsim" step="1 ms"/>
+  <plane name="floor"/>
+  <capsule name="roll" radius="5 cm" length="20 cm" xyz="0 0 1" mass="1 kg"/>
+</scene>)";
+  Page page;
+  page.join(1);
+  Scene shown = scene_of(scene);
+  auto model = std::make_shared<SceneModel>(*shown.model);
+  model->physics.engine_options["simbody"]["contact"] = std::string("simbody");
+  shown.model = model;
+  REQUIRE(takes(page, shown));
+  const Answer refused = page.ask("backend", {{"name", "simbody"}});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == "CG0802");
+  CHECK_THAT(refused.error().message, Catch::Contains("no geometry for 'roll'"));
+  const Json lacking = page.get("lacking", {{"name", "simbody"}});
+  CHECK(lacking.at("left_out").empty());
+  CHECK(lacking.at("needed").empty());
+}
+
+TEST_CASE("an edit that the second engine of a comparison refuses", "[studio][run]") {
+  const auto scene = [](const std::string& spring) {
+    return R"(<scene name="lamp" version="1">
+  <physics backend="cogrsim" step="1 ms"/>
+  <sphere name="lamp" radius="5 cm" xyz="0 0 1" mass="1 kg"/>
+  <ball name="neck" child="lamp" xyz="0 0 1.2" )" +
+           spring + "/>\n</scene>";
+  };
+  Page page;
+  page.join(1);
+  page.show(scene(""));
+  page.get("compare", {{"backend", "bullet"}, {"step", nullptr}});
+  CHECK_THAT(page.refused(scene("stiffness=\"3\"")), Catch::Contains("bullet"));
+  CHECK_FALSE(page.ask("backend", {{"name", "cogrsim"}}));
+  const Json lacking = page.get("lacking", {{"name", "cogrsim"}});
+  CHECK(lacking.at("name") == "bullet");
+  CHECK(lacking.at("left_out").size() == 1);
+  // A comparison is of what runs, which has no spring.
+  CHECK(page.get("lacking", {{"name", "bullet"}, {"beside", true}}).at("left_out").empty());
+  page.get("backend", {{"name", "cogrsim"}, {"without", {"lacking"}}});
+  REQUIRE(page.outbox().wait([&] { return page.status().at("compare").at("left_out").size() == 1; }));
+  CHECK(page.status().at("backend") == "cogrsim");
+  CHECK(page.status().at("provenance").at("left_out").empty());
+}
+
+TEST_CASE("a choice stays where the run has taken it and cannot play on", "[studio][run]") {
+  const std::string text = R"(<scene name="lamp" version="1">
+  <physics backend="cogrsim" step="1 ms"/>
+  <sphere name="lamp" radius="5 cm" xyz="0 0 1" mass="1 kg"/>
+  <ball name="neck" child="lamp" xyz="0 0 1.2" stiffness="3"/>
+</scene>)";
+  Page page;
+  page.join(1);
+  page.show(text);
+  page.get("step", {{"count", 1}});
+  page.get("play");
+  Scene shown = scene_of(text, 2);
+  shown.only_shown = true;
+  auto edited = std::make_shared<SceneModel>(*shown.model);
+  edited->bodies.at(0).mass = 2.0;
+  shown.model = edited;
+  REQUIRE(takes(page, shown));
+  const Json beside = {{"backend", "bullet"}, {"step", nullptr}, {"without", {"lacking"}}};
+  CHECK_THAT(page.error("compare", beside), Catch::Contains("does not run"));
+  CHECK(page.status("stopped").at("compare").at("left_out").size() == 1);
+  // The same two runs once more.
+  page.get("stop");
 }
 
 TEST_CASE("two engines run side by side until they diverge", "[studio][run]") {

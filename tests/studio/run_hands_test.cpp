@@ -278,6 +278,13 @@ TEST_CASE("a run of another scene or engine is not made again", "[studio][run][h
     page.get("backend", {{"name", before}});
     CHECK(page.get("repeat").at("inputs") == 1);
   }
+  SECTION("without something else") {
+    const std::string engine = page.status().at("backend");
+    page.get("backend", {{"name", engine}, {"without", {"limits"}}});
+    CHECK_THAT(page.error("repeat"), Catch::Contains("left out"));
+    page.get("backend", {{"name", engine}, {"without", Json::array()}});
+    CHECK(page.get("repeat").at("inputs") == 1);
+  }
 }
 
 TEST_CASE("a repetition that is stopped early forgets nothing", "[studio][run][hands]") {

@@ -465,6 +465,7 @@ void DocumentRequests::test(const Request& request, const Reply& reply) {
   asked.plugin_folders = loader_->folders();
   asked.parameters = options_.parameters;
   asked.seed = options_.seed;
+  asked.without = options_.without;
   test_run_.start(std::move(asked), request.client, reply);
 }
 

@@ -18,6 +18,7 @@ struct DocumentOptions {
   std::string path;  ///< of the scene file; need not exist yet: an empty scene then
   std::map<std::string, std::string> parameters;  ///< `--set`
   std::optional<std::uint64_t> seed;
+  std::vector<std::string> without;  ///< of tests
   bool allow_build = false;
   std::string state_folder;  ///< for journals that cannot lie beside the scene; "": none
 };

@@ -380,15 +380,21 @@ Answer Engine::set_step(std::optional<double> dt) {
   return Json::object();
 }
 
-/// What `act` refuses changes nothing.
+/// What `act` refuses changes nothing; a run that was playing plays on.
 Answer Engine::with_options(const Without& without, const std::function<Answer()>& act) {
   const std::vector<std::string> before = options_.without;
   if (without) {
     if (auto good = check_without(*without); !good) return tl::unexpected(good.error());
     options_.without = *without;
   }
+  settle();
+  const bool playing = state_ == State::playing;
   Answer answer = act();
-  if (!answer) options_.without = before;
+  if (!answer) {
+    options_.without = before;
+  } else if (playing && state_ != State::playing) {
+    if (auto going = play(); !going) return going;
+  }
   return answer;
 }
 
@@ -404,8 +410,6 @@ Answer Engine::continue_on(const std::string& name, bool anyway) {
     return Json{{"notes", Json::array()}};
   }
   const Scene scene = refused_ ? *refused_ : *scene_;
-  settle();
-  const bool playing = state_ == State::playing;
   std::vector<std::string> notes;
   if (ghost_ || !simulation_ || simulation_->step_count() == 0 || state_ == State::ended) {
     const auto request = ghost_ ? std::optional<CompareRequest>(ghost_->request) : std::nullopt;
@@ -422,38 +426,43 @@ Answer Engine::continue_on(const std::string& name, bool anyway) {
   }
   backend_ = name;
   refused_.reset();
-  if (playing && state_ != State::playing) {
-    if (auto going = play(); !going) return going;
-  }
   publish(true);
   return Json{{"notes", notes}};
 }
 
-Answer Engine::lacking(const std::string& name) const {
-  if (!scene_ && !refused_) return fail("there is no scene yet that can be run");
-  const SceneModelPtr model = (refused_ ? *refused_ : *scene_).model;
-  std::string chosen = name.empty() ? backend_ : name;
-  if (chosen.empty()) chosen = model->physics.backend;
+Answer Engine::lacking(const std::string& name, bool beside) const {
+  if (!scene_ && (beside || !refused_)) return fail("there is no scene yet that can be run");
+  const SceneModelPtr model = (refused_ && !beside ? *refused_ : *scene_).model;
+  std::vector<std::string> asked = {name.empty() ? backend_ : name};
+  if (ghost_ && !beside && ghost_->request.backend) asked.push_back(*ghost_->request.backend);
   PluginLoader loader(plugin_folders_);
-  const auto backend = loader.backend(chosen.empty() ? kDefaultBackend : chosen);
-  if (!backend) return tl::unexpected(backend.error());
-  const Capabilities& has = (*backend)->capabilities();
-  std::vector<LeftOut> lacks;
-  const SceneModelPtr rest = leave_out(model, has, {"lacking"}, &lacks);
-  Json needed = Json::array();
-  for (const Diagnostic& it : check_capabilities(*rest, (*backend)->name(), has))
-    if (it.severity == Severity::error) needed.push_back(it.message);
-  return Json{{"name", std::string((*backend)->name())}, {"left_out", to_json(lacks)}, {"needed", needed}};
+  Json answer;
+  for (std::string& chosen : asked) {
+    if (chosen.empty()) chosen = model->physics.backend;
+    const auto backend = loader.backend(chosen.empty() ? kDefaultBackend : chosen);
+    if (!backend) return tl::unexpected(backend.error());
+    const Capabilities& has = (*backend)->capabilities();
+    std::vector<LeftOut> lacks;
+    const SceneModelPtr rest = leave_out(model, has, {"lacking"}, &lacks);
+    Json needed = Json::array();
+    for (const Diagnostic& it : check_capabilities(*rest, (*backend)->name(), has))
+      if (it.severity == Severity::error) needed.push_back(it.message);
+    const bool hopeless = !needed.empty();
+    if (answer.is_null() || hopeless || (answer.at("left_out").empty() && !lacks.empty()))
+      answer = {{"name", std::string((*backend)->name())},
+                {"left_out", to_json(lacks)},
+                {"needed", std::move(needed)}};
+    if (hopeless) break;
+  }
+  return answer;
 }
 
 Answer Engine::compare(CompareRequest request, const Without& without) {
   if (!scene_) return fail("there is no scene yet that can be run");
-  settle();
-  const bool playing = state_ == State::playing;
   return with_options(without, [&]() -> Answer {
     if (auto done = begin_again(*scene_, backend_, dt_, std::move(request)); !done)
       return tl::unexpected(to_error(done.error()));
-    return playing ? play() : Answer(Json::object());
+    return Json::object();
   });
 }
 

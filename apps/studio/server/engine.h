@@ -78,8 +78,9 @@ class Engine {
   /// `without`: see RunOptions; nullopt: as before.
   using Without = std::optional<std::vector<std::string>>;
   Answer set_backend(const std::string& name, const Without& without);
-  /// What a backend lacks of the newest scene.
-  Answer lacking(const std::string& name) const;
+  /// What a backend lacks of the newest scene, or else the one that it is compared with; `beside`: of the
+  /// scene that runs, for compare().
+  Answer lacking(const std::string& name, bool beside) const;
   /// The library of a controller, or of all of them, as it is on disk now: while paused.
   Answer reload(const std::optional<std::string>& controller);
   // engine_hands.cpp: what a person does in the run
@@ -204,6 +205,7 @@ class Engine {
   cli::Inputs inputs_;                         ///< of the present run
   cli::Inputs before_;                         ///< of the last run before it that had any
   SceneModelPtr inputs_scene_, before_scene_;  ///< what these runs started with
+  std::vector<std::string> inputs_without_, before_without_;  ///< and were without
   cli::InputPlayer repeated_{{}};
   std::optional<Grab> grab_;
 

@@ -63,6 +63,7 @@ void Engine::forget_inputs() {
   if (cli::Inputs all = all_inputs(); !all.list.empty()) {
     before_ = std::move(all);
     before_scene_ = inputs_scene_;
+    before_without_ = inputs_without_;
   }
   repeated_ = cli::InputPlayer({});
   inputs_ = {};
@@ -186,9 +187,11 @@ Answer Engine::repeat() {
   if (!scene_ || !simulation_) return fail("there is no scene yet that can be run");
   cli::Inputs then = all_inputs();
   SceneModelPtr of = inputs_scene_;
+  std::vector<std::string> without = inputs_without_;
   if (then.list.empty()) {
     then = before_;
     of = before_scene_;
+    without = before_without_;
   }
   if (then.list.empty())
     return fail("nothing was done in this run by hand", "", "move a motor, or pull a body");
@@ -199,6 +202,8 @@ Answer Engine::repeat() {
   if (const std::string now = simulation_->backend().name(); then.backend != now)
     return fail(no + "it was on " + then.backend + ", and the engine is " + now, "",
                 "choose " + then.backend + " first");
+  if (without != options_.without)
+    return fail(no + "something else was left out of the scene", "", "stop, and begin another one");
   const bool sets_step = std::any_of(
       then.list.begin(), then.list.end(),
       [](const cli::Input& input) { return std::holds_alternative<SetStep>(input.command); });

@@ -136,6 +136,7 @@ tl::expected<void, Refusal> Engine::begin_again(const Scene& scene, const std::s
   inputs_.backend = simulation_->backend().name();
   inputs_.dt = simulation_->dt();
   inputs_scene_ = scene.model;
+  inputs_without_ = options.without;
   state_ = State::stopped;
   ending_.clear();
   end_reason_.clear();
@@ -211,8 +212,11 @@ tl::expected<std::vector<std::string>, Refusal> Engine::carry_over(const Scene& 
 tl::expected<std::vector<std::string>, Refusal> Engine::show(Scene scene) {
   auto shown = take(scene);
   refused_.reset();
-  const auto lacks = [](const Diagnostic& d) { return d.code == "CG0801"; };
-  if (!shown && std::any_of(shown.error().begin(), shown.error().end(), lacks))
+  // Another engine may run it.
+  const auto by_engine = [](const Diagnostic& d) {
+    return d.code == "CG0801" || d.code == "CG0802";
+  };
+  if (!shown && std::any_of(shown.error().begin(), shown.error().end(), by_engine))
     refused_ = std::move(scene);
   return shown;
 }

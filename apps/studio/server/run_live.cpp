@@ -97,7 +97,8 @@ class LiveRun final : public Run {
     } else if (what == "lacking") {
       const auto name = f.at("name").get<std::string>();
       if (auto good = name.empty() ? Result<>() : check_plugin_name(name); !good) return good;
-      answer([name](Engine& e) { return e.lacking(name); });
+      const bool beside = fields::maybe<bool>(f, "beside").value_or(false);
+      answer([name, beside](Engine& e) { return e.lacking(name, beside); });
     } else if (what == "motor") {
       answer([name = f.at("motor").get<std::string>(), target = f.at("target").get<double>()](
                  Engine& e) { return e.set_motor(name, target); });

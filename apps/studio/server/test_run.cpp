@@ -117,6 +117,7 @@ Answer TestRun::run(const TestRequest& request) {
   cli::TestCommandOptions options;
   options.set = request.parameters;
   options.plugin_paths = request.plugin_folders;
+  options.without = request.without;
   options.jobs = 1;
   options.timeout = kLongest;
   options.out.clear();

@@ -21,7 +21,7 @@ struct TestRequest {
   std::optional<std::string> text;
   std::size_t index = 0;  ///< of the test in its scene
   std::string test;       ///< its name
-  std::vector<std::string> backends, plugin_folders;
+  std::vector<std::string> backends, plugin_folders, without;
   std::map<std::string, std::string> parameters;
   std::optional<std::uint64_t> seed;
 };

@@ -325,6 +325,7 @@ void Engine::step(const StepInput& input) {
   for (const int b : kinematic_) {
     // Bullet takes its velocity from where it is put.
     Part& part = parts_[b];
+    part.before = part.pose;
     part.pose = moved(part.pose, input.twists[b], dt_);
     driven_spin_ = std::max(driven_spin_, input.twists[b].angular.norm());
     before_[b].X = to_bt(part.pose * part.X_BG);
@@ -355,6 +356,13 @@ int Engine::find_lost() const {
 
 bool Engine::undo() {
   for (const int b : movers_) set_motion(*parts_[b].rigid, before_[b]);
+  for (const int b : kinematic_) {
+    Part& part = parts_[b];
+    part.pose = part.before;
+    before_[b].X = to_bt(part.pose * part.X_BG);
+    part.rigid->setWorldTransform(before_[b].X);
+    part.rigid->setInterpolationWorldTransform(before_[b].X);
+  }
   forget_contacts();
   return true;
 }

@@ -75,6 +75,7 @@ class Engine final : public SceneEngine {
     Pose X_BG;
     bool centred = true;  // X_BG is the identity
     Pose pose;            // of what forces do not move
+    Pose before;          // the same of kinematic ones, before the last step
     btVector3 inertia{0, 0, 0};
   };
 

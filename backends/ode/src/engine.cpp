@@ -175,7 +175,7 @@ dSurfaceParameters Engine::surface(const Geom& a, const Geom& b) const {
     out.rho = out.rho2 = pair.rolling_friction;
     out.rhoN = pair.spinning_friction;
   }
-  if (pair.stiffness) {
+  if (pair.stiffness && *pair.stiffness > 0.0) {
     // ODE's spring k and damper d: erp = h k / (h k + d), cfm = 1 / (h k + d).
     const double ratio = e > 0.0 ? -std::log(e) / std::hypot(kPi, std::log(e)) : 1.0;
     double mobility = 0.0;  // [1/kg]

@@ -63,24 +63,29 @@ Triangles::Triangles(MeshPtr of) : mesh(std::move(of)), data(dGeomTriMeshDataCre
 const std::shared_ptr<Triangles>& ShapeData::triangles(const SceneModel& model,
                                                        const Shape& shape) {
   const bool is_mesh = shape.type == ShapeType::mesh;
-  auto& made = is_mesh ? meshes_[shape.mesh] : heightmaps_[shape.heightmap];
-  if (!made)
-    made = std::make_shared<Triangles>(
-        is_mesh ? model.meshes[shape.mesh]
-                : std::make_shared<const TriangleMesh>(
-                      geometry::triangles_of(*model.heightmaps[shape.heightmap])));
+  auto& [of, made] = is_mesh ? meshes_[shape.mesh] : heightmaps_[shape.heightmap];
+  std::shared_ptr<const void> wanted;
+  is_mesh ? wanted = model.meshes[shape.mesh] : wanted = model.heightmaps[shape.heightmap];
+  if (of == wanted) return made;
+  made = std::make_shared<Triangles>(
+      is_mesh ? model.meshes[shape.mesh]
+              : std::make_shared<const TriangleMesh>(
+                    geometry::triangles_of(*model.heightmaps[shape.heightmap])));
+  of = std::move(wanted);
   return made;
 }
 
 Result<std::shared_ptr<Hull>> ShapeData::hull(const SceneModel& model, const Shape& shape) {
-  auto& made = hulls_[shape.mesh];
-  if (made) return made;
-  const HullFaces faces = hull_faces(*model.meshes[shape.mesh], kMostCorners);
+  auto& [of, made] = hulls_[shape.mesh];
+  const MeshPtr& mesh = model.meshes[shape.mesh];
+  if (of == mesh) return made;
+  const HullFaces faces = hull_faces(*mesh, kMostCorners);
   if (faces.normals.empty()) {
     return fail("shape '" + shape.name + "': its mesh has no volume",
                 source_position(model, shape.origin));
   }
   made = hull_of(faces);
+  of = mesh;
   return made;
 }
 

@@ -29,7 +29,8 @@ struct Hull {
   Vec3 middle = Vec3::Zero();  ///< in the shape's frame
 };
 
-/// What worlds that are rebuilt share: by mesh and heightmap of the model, which keep their index.
+/// What worlds that are rebuilt share: by mesh and heightmap of the model, which keep their index. A change
+/// that fails leaves what the next one may have something else for.
 class ShapeData {
  public:
   const std::shared_ptr<Triangles>& triangles(const SceneModel& model, const Shape& shape);
@@ -37,8 +38,13 @@ class ShapeData {
   Result<std::shared_ptr<Hull>> hull(const SceneModel& model, const Shape& shape);
 
  private:
-  std::map<int, std::shared_ptr<Triangles>> meshes_, heightmaps_;
-  std::map<int, std::shared_ptr<Hull>> hulls_;
+  template <class Made>
+  struct Entry {
+    std::shared_ptr<const void> of;
+    std::shared_ptr<Made> made;
+  };
+  std::map<int, Entry<Triangles>> meshes_, heightmaps_;
+  std::map<int, Entry<Hull>> hulls_;
 };
 
 /// A colliding shape.

@@ -153,6 +153,10 @@ std::vector<CodeInfo> scene_codes() {
        "Choose another backend with --backend, replace the element, or leave it out of a run with "
        "--without. `cogrsim plugins` shows what each engine can do.",
        ""},
+      {"CG0802", error, "a world that the backend cannot build",
+       "The chosen engine has all features that the scene uses, but failed to build its world: for "
+       "example of a convex mesh without volume, or of a pair of shapes it has no contacts for.",
+       "Change what the message names, or choose another backend with --backend.", ""},
       // ---- CG09: plugins
       {"CG0901", error, "a plugin that is not found",
        "The searched folders contain no library of that name; the message lists the folders.",

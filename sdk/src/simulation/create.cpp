@@ -152,7 +152,7 @@ tl::expected<std::unique_ptr<Simulation>, std::vector<Diagnostic>> Simulation::c
   const auto is_error = [](const Diagnostic& d) { return d.severity == Severity::error; };
   if (std::none_of(found.begin(), found.end(), is_error)) {
     if (auto created = impl->host.create(); !created) {
-      found.push_back(to_diagnostic(created.error(), "CG0801"));
+      found.push_back(to_diagnostic(created.error(), "CG0802"));
     } else if (auto* const world = impl->host.world().extension<WorldWarnings>()) {
       for (Diagnostic& d : world->warnings()) found.push_back(std::move(d));
     }

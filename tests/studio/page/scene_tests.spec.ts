@@ -79,3 +79,46 @@ test("a test is made of what is seen, passes, and undo takes it back", async () 
   await page.keyboard.press("Control+z");
   await expect.poll(() => text_of(page)).toBe(kScene);
 });
+
+// Bullet has no spring on a ball joint.
+const swing = (spring: string) => `<scene name="swing" version="1">
+  <physics backend="cogrsim" step="2 ms" duration="1 s"/>
+  <sphere name="lamp" radius="5 cm" xyz="0.1 0 1" mass="1 kg"/>
+  <ball name="neck" child="lamp" xyz="0 0 1.2"${spring}/>
+  <test name="it stays"><always that="lamp.x gt 9 cm"/></test>
+</scene>
+`;
+
+test("going to a moment on an engine that is then declined leaves the run as it was", async ({ studio, open }) => {
+  const page = await open(await studio(swing("")));
+  await layout(page, "Run");
+  await page.getByRole("tab", { name: "Tests", exact: true }).click();
+  const engines = page.getByRole("group", { name: "Engines to test on" });
+  await engines.getByRole("checkbox", { name: "bullet", exact: true }).check();
+  await expect(page.getByTestId("tests-sum")).toContainText("1 test");
+  await page.getByTestId("tests-run").click();
+  const failed = page.getByTestId("test-0-bullet");
+  await expect(failed).toHaveAttribute("data-status", "failed", { timeout: 100_000 });
+  await ask(page, "set-text", { version: (await until(page, "document", () => true, "the text")).version, text: swing(' stiffness="3"') });
+  await expect(page.getByTestId("tests-sum")).toContainText("the text has changed since");
+  await ask(page, "step", { count: 20 });
+  await failed.getByRole("button", { name: /^Go to 0/ }).click();
+  const dialog = page.getByRole("dialog");
+  await expect(dialog).toContainText("bullet has no joint.stiffness.ball");
+  await dialog.getByRole("button", { name: "Cancel" }).click();
+  await ask(page, "step", { count: 1 });
+  const now = await until(page, "status", (s) => s.step_count === 21, "the run goes on");
+  expect(now.backend).toBe("cogrsim");
+});
+
+test("tests are without what the studio was started without", async ({ studio, open }) => {
+  const page = await open(await studio(swing(' stiffness="300"'), "--without", "lacking"));
+  await layout(page, "Run");
+  await page.getByRole("tab", { name: "Tests", exact: true }).click();
+  const engines = page.getByRole("group", { name: "Engines to test on" });
+  for (const name of ["bullet", "cogrsim"]) await engines.getByRole("checkbox", { name, exact: true }).check();
+  await page.getByTestId("tests-run").click();
+  // the spring holds it; without, it falls as a pendulum
+  await expect(page.getByTestId("test-0-cogrsim")).toHaveAttribute("data-status", "passed", { timeout: 100_000 });
+  await expect(page.getByTestId("test-0-bullet")).toHaveAttribute("data-status", "failed", { timeout: 100_000 });
+});

@@ -78,11 +78,11 @@ class EngineWorld final : public HostedWorld {
   const char* engine_name() const override { return Engine::kName; }
   bool lacks_couplings() const override { return Engine::kLacksCouplings; }
   Result<> build(const SceneModelPtr& model, const WorldState& begin) override {
-    return make(model, begin, nullptr);
+    return adopt(make(model, begin, nullptr));
   }
   Result<> rebuild(const SceneModelPtr& next, const WorldState& begin,
                    const SceneChange& change) override {
-    return engine_ ? make(next, begin, &change) : gone();
+    return engine_ ? adopt(make(next, begin, &change)) : gone();
   }
   StepResult advance(double dt, const std::vector<Drive>& drives,
                      const std::vector<double>& efforts) override {
@@ -124,17 +124,24 @@ class EngineWorld final : public HostedWorld {
     return engine_ ? guarded([&] { engine_->write(state); }) : gone();
   }
   void read_efforts(std::vector<double>& joints, std::vector<double>& motors) const override {
-    engine_->read_efforts(joints, motors);
+    if (engine_) engine_->read_efforts(joints, motors);
   }
-  void read_contacts(std::vector<Contact>& out) const override { engine_->read_contacts(out); }
-  void read_reactions(std::vector<Wrench>& out) const override { engine_->read_reactions(out); }
+  void read_contacts(std::vector<Contact>& out) const override {
+    if (engine_) engine_->read_contacts(out);
+  }
+  void read_reactions(std::vector<Wrench>& out) const override {
+    if (engine_) engine_->read_reactions(out);
+  }
   MemoryPtr save_memory() const override { return engine_ ? engine_->save() : nullptr; }
   Result<> restore_memory(const SceneModelPtr& model, const MemoryPtr& memory,
                           const WorldState& begin) override {
     if (!memory) return gone();
-    if (!Engine::kRestoresInPlace || !engine_ || model != this->model() || !stands_as_in(begin))
-      if (auto made = make(model, begin, nullptr); !made) return made;
-    return guarded([&] { engine_->restore(*memory); });
+    if (Engine::kRestoresInPlace && engine_ && model == this->model() && stands_as_in(begin)) {
+      auto done = guarded([&] { engine_->restore(*memory); });
+      if (!done) engine_.reset();  // half restored
+      return done;
+    }
+    return adopt(restored(model, begin, *memory));
   }
   void move_kinematic(int body) override {
     if (engine_) engine_->move_kinematic(body, twists()[body]);
@@ -157,26 +164,39 @@ class EngineWorld final : public HostedWorld {
     }
     return {};
   }
-  Result<> make(const SceneModelPtr& model, const WorldState& begin, const SceneChange* change) {
+  using Made = Result<std::unique_ptr<Engine>>;
+  Made make(const SceneModelPtr& model, const WorldState& begin, const SceneChange* change) {
     const SourcePosition physics = source_position(*model, model->physics.origin);
     const auto options = physics_options(*model, Engine::kName, Engine::options());
     if (!options) return tl::unexpected<Error>(options.error());
-    Result<std::unique_ptr<Engine>> made;
+    Made made;
     auto done = guarded([&] {
       made = Engine::make(model, *options, begin, change ? engine_.get() : nullptr);
       if (made && change) (*made)->take_over(*engine_, begin, *change);
     });
-    if (!done) done.error().locate(physics);
-    if (!done) return done;
+    if (done) return made;
+    done.error().locate(physics);
+    return tl::unexpected<Error>(done.error());
+  }
+  Made restored(const SceneModelPtr& model, const WorldState& begin, const HostedMemory& memory) {
+    Made made = make(model, begin, nullptr);
+    if (!made) return made;
+    const auto done = guarded([&] { (*made)->restore(memory); });
+    if (!done) return tl::unexpected<Error>(done.error());
+    return made;
+  }
+  /// Errors: the engine before stays.
+  Result<> adopt(Made made) {
     if (!made) return tl::unexpected<Error>(made.error());
     engine_ = std::move(*made);
     return {};
   }
   /// Of the engine that is beyond repair by one with what it remembers.
   void replace() {
-    const MemoryPtr memory = engine_->save();
+    MemoryPtr memory;
+    const auto saved = guarded([&] { memory = engine_->save(); });
     engine_.reset();
-    if (make(model(), last(), nullptr)) engine_->restore(*memory);
+    if (saved) static_cast<void>(adopt(restored(model(), last(), *memory)));
   }
   /// Whether static bodies are where the engine has them: models can be shared by worlds in which they are not.
   bool stands_as_in(const WorldState& begin) const {

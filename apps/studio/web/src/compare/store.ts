@@ -49,8 +49,10 @@ export class CompareStore {
   /** Runs the scene on `backend` beside the present one, both from time 0; null: with another `step` [s]. */
   async compare(what: { backend: string } | { step: number }): Promise<void> {
     this.busy.value = true;
-    const asked = await orWithout(this.studio, "backend" in what ? what.backend : "", (without) =>
-      this.studio.link.request("compare", { backend: null, step: null, ...what, without }),
+    const asked = await orWithout(
+      this.studio,
+      { name: "backend" in what ? what.backend : "", beside: true },
+      (without) => this.studio.link.request("compare", { backend: null, step: null, ...what, without }),
     );
     if (asked) this.studio.openPanel("compare");
     this.busy.value = false;

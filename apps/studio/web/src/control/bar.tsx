@@ -169,7 +169,6 @@ function Backend({ control }: { control: Control }) {
           class="cg-without"
           title={leftOut.map(({ engine, all }) => `${engine} runs without ${leftOutText(all)}`).join("; ")}
           data-testid="left-out"
-          disabled={reason !== null}
           onClick={() => void control.showLeftOut()}
         >
           without {features[0]}

@@ -4,7 +4,7 @@ import { isClosed, messageOf, type FieldsOf } from "../core/link";
 import type { Answer, RequestName } from "../core/protocol";
 import type { Studio } from "../core/studio";
 import type { Playback } from "../timeline/playback";
-import { leftOutByEngine, leftOutText, orWithout } from "./leave_out";
+import { isRefused, leftOutByEngine, leftOutText, orWithout } from "./leave_out";
 import { neighbour } from "../timeline/scale";
 import {
   kSpeeds,
@@ -103,17 +103,18 @@ export class Control {
     else void this.ask("speed", { factor });
   }
   async setBackend(name: string): Promise<void> {
-    const answer = await orWithout(this.studio, name, (without) =>
+    const answer = await orWithout(this.studio, { name }, (without) =>
       this.studio.link.request("backend", { name, without }),
     );
     if (answer) this.studio.notify([`the run continues with ${name}`, ...answer.notes].join("; "));
   }
   /** Of a scene that the present engine refuses. */
   async leaveOut(): Promise<void> {
-    const lacks = await this.ask("lacking", { name: this.studio.state.status.value?.backend ?? "" });
-    if (lacks) await this.setBackend(lacks.name);
+    if (!isRefused(this.studio)) return;
+    const name = this.studio.state.status.value?.backend || (await this.ask("lacking", { name: "" }))?.name;
+    if (name) await this.setBackend(name);
   }
-  /** Shows what the run leaves out, and runs with everything if that is wanted. */
+  /** Shows what the run leaves out; who steers it can run with everything. */
   async showLeftOut(): Promise<void> {
     const name = this.studio.state.status.value?.backend ?? "";
     const list = document.createElement("ul");
@@ -123,14 +124,15 @@ export class Control {
       row.textContent = `${engine}: ${leftOutText(all)}`;
       list.append(row);
     }
-    const everything = await this.studio.dialog({
+    const steers = this.whyNot("backend") === null;
+    const accepted = await this.studio.dialog({
       title: "Left out of this run",
       text: "What these engines lack of the scene, and the run is without.",
       fields: [],
       preview: () => Promise.resolve(list),
-      accept: "Run with everything",
+      accept: steers ? "Run with everything" : "Close",
     });
-    if (everything) await this.ask("backend", { name, without: [] });
+    if (accepted && steers) await this.ask("backend", { name, without: [] });
   }
   /** The libraries of all controllers as they are on disk now. */
   async reload(): Promise<void> {
@@ -187,7 +189,11 @@ export class Control {
     add("run:previous-event", "Previous event", null, () => this.toBookmark(-1));
     add("run:next-event", "Next event", null, () => this.toBookmark(1));
     add("run:reload", "Reload controllers", "reload", () => void this.reload());
-    add("run:leave-out", "Leave out what the engine lacks…", "backend", () => void this.leaveOut());
+    commands.addCommand("run:leave-out", {
+      label: "Leave out what the engine lacks…",
+      isEnabled: () => this.whyNot("backend") === null && isRefused(this.studio),
+      execute: () => void this.leaveOut(),
+    });
     add("run:record", "Record, or end the recording", "record", () => void this.record(""));
     // menus and palette read what is enabled when they open; a palette that is open is notified
     effect(() => {

@@ -1,5 +1,5 @@
 // An engine that lacks something of the scene: what it lacks is left out of a run where the person says so, once.
-import { RequestError, isClosed, messageOf } from "../core/link";
+import { RequestError, isClosed, messageOf, type FieldsOf } from "../core/link";
 import type { Answer, LeftOut } from "../core/protocol";
 import type { Studio } from "../core/studio";
 
@@ -10,11 +10,11 @@ export function leftOutText(all: readonly LeftOut[]): string {
   return all.map(({ feature, of, count }) => `${feature} (${count} × ${of})`).join(", ");
 }
 
-/** What a refusal of `backend` is to be answered with; a text: nothing helps. */
-export function offerOf(lacking: Answer<"lacking">): string | { title: string; text: string } {
+/** What a refusal is to be answered with; a text: why nothing helps; null: nothing is lacked, it has another reason. */
+export function offerOf(lacking: Answer<"lacking">): string | { title: string; text: string } | null {
   const { name, needed } = lacking;
   if (needed.length > 0) return `${name} cannot run this scene: ${needed.join("; ")}`;
-  if (lacking.left_out.length === 0) return `${name} lacks nothing of this scene`;
+  if (lacking.left_out.length === 0) return null;
   return {
     title: `${name} lacks something of this scene`,
     text:
@@ -23,21 +23,11 @@ export function offerOf(lacking: Answer<"lacking">): string | { title: string; t
   };
 }
 
-/** Whether the run is to leave out what `backend` lacks ("": the scene's engine); null: no. */
-async function ask(studio: Studio, backend: string): Promise<string[] | null> {
-  const offer = offerOf(await studio.link.request("lacking", { name: backend }));
-  if (typeof offer === "string") {
-    studio.notify(offer, "error");
-    return null;
-  }
-  return (await studio.dialog({ ...offer, fields: [], accept: "Leave it out" })) && ["lacking"];
-}
-
 /** Makes a request that gives the run an engine; where that lacks something the person is asked. Refused otherwise: a
  *  notice, and null. */
 export async function orWithout<Reply>(
   studio: Studio,
-  backend: string,
+  lacking: FieldsOf<"lacking">[0],
   request: (without: string[] | null) => Promise<Reply>,
 ): Promise<Reply | null> {
   try {
@@ -45,9 +35,14 @@ export async function orWithout<Reply>(
       return await request(null);
     } catch (error) {
       if (!(error instanceof RequestError) || error.failure.code !== kLacking) throw error;
+      const offer = offerOf(await studio.link.request("lacking", lacking));
+      if (offer === null) throw error;
+      if (typeof offer === "string") {
+        studio.notify(offer, "error");
+        return null;
+      }
+      return (await studio.dialog({ ...offer, fields: [], accept: "Leave it out" })) && (await request(["lacking"]));
     }
-    const without = await ask(studio, backend);
-    return without && (await request(without));
   } catch (error) {
     if (!isClosed(error)) studio.notify(messageOf(error), "error");
     return null;

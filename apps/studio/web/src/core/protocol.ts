@@ -164,8 +164,11 @@ export interface Requests {
     fields: {
       /** of a backend; "": the scene's */
       name: string;
+      /** as the second run of `compare`: of the scene that runs now */
+      beside?: boolean | null;
     };
     answer: {
+      /** the other engine of a comparison, where it is that one that lacks something */
       name: string;
       /** what it lacks of the scene and can be left out */
       left_out: LeftOut[];

@@ -156,14 +156,13 @@ export class TestStore {
       const status = state.status.peek();
       if (!status) return;
       if (status.backend !== backend || status.last < time - 0.5 * status.dt) {
-        if (status.state === "playing") await link.request("pause");
-        if (status.backend !== backend || status.state === "ended") {
-          await link.request("stop");
-          if (status.backend !== backend) {
-            const ask = (without: string[] | null) => link.request("backend", { name: backend, without });
-            if (!(await orWithout(this.studio, backend, ask))) return;
-          }
+        // an engine that is refused leaves the run as it was
+        if (status.backend !== backend) {
+          const ask = (without: string[] | null) => link.request("backend", { name: backend, without });
+          if (!(await orWithout(this.studio, { name: backend }, ask))) return;
         }
+        if (status.backend !== backend || status.state === "ended") await link.request("stop");
+        else if (status.state === "playing") await link.request("pause");
         await link.request("live");
         const begun = status.backend === backend && status.state !== "ended" ? status.time : 0;
         for (let left = Math.round((time - begun) / status.dt); left > 0; left -= kMostSteps)
