@@ -91,6 +91,62 @@ TEST_CASE("inputs are part of snapshots", "[inputs]") {
   CHECK(asked(*resumed->simulation) == 2.5);
 }
 
+TEST_CASE("a resumed run has the scene's start of inputs that nobody had set", "[inputs]") {
+  const auto isolation = GENERATE(Isolation::none, Isolation::process);
+  const auto scene = [&](double start) {
+    ControllerModel controller = asker(isolation);
+    controller.parameters["start"] = start;
+    return flywheel(controller);
+  };
+  auto simulation = simulate(scene(1.0), "bullet");
+  simulation->run_until(0.01);
+  const TemporaryFolder folder;
+  const auto resumed = [&](const char* name) {
+    const std::string file = (folder.path / name).string();
+    REQUIRE(write_snapshot(*simulation, file));
+    const auto read = SnapshotFile::read(file);
+    REQUIRE(read);
+    SimulationOptions options;
+    options.backend = "bullet";
+    auto edited = resume(*read, scene(-1.5), options, loader());
+    REQUIRE(edited);
+    edited->simulation->step();
+    return asked(*edited->simulation);
+  };
+  CHECK(resumed("start.snap") == -1.5);
+  after(*simulation, {"bot", "speed", 2.5});
+  CHECK(resumed("set.snap") == 2.5);
+}
+
+TEST_CASE("another plugin does not have the inputs of the previous one", "[inputs]") {
+  auto simulation = simulate(flywheel(asker(Isolation::none)), "bullet");
+  after(*simulation, {"bot", "speed", 2.5});
+  const TemporaryFolder folder;
+  const std::string file = (folder.path / "a.snap").string();
+  REQUIRE(write_snapshot(*simulation, file));
+  const auto read = SnapshotFile::read(file);
+  REQUIRE(read);
+  ControllerModel other = asker(Isolation::none);
+  other.plugin = "counter";
+  SimulationOptions options;
+  options.backend = "bullet";
+  const auto resumed =
+      resume(*read, flywheel(other), options, loader(COGRSIM_TEST_CONTROLLERS "/version_1"));
+  REQUIRE(resumed);
+  CHECK(resumed->simulation->controller_inputs()[0].inputs[0].value == 1.0);
+}
+
+TEST_CASE("going back in a run gives inputs the value that they had, set or not", "[inputs]") {
+  auto simulation =
+      simulate(flywheel(asker(GENERATE(Isolation::none, Isolation::process))), "bullet");
+  simulation->step();
+  const auto kept = simulation->save();
+  after(*simulation, {"bot", "speed", 2.5});
+  REQUIRE(simulation->restore(kept));
+  simulation->step();
+  CHECK(asked(*simulation) == 1.0);
+}
+
 TEST_CASE("inputs that are declared wrongly are errors of the scene", "[inputs]") {
   const auto isolation = GENERATE(Isolation::none, Isolation::process);
   const auto said = [&](const char* wrong) {

@@ -51,8 +51,10 @@ std::string input_mistake(const std::vector<ControllerInput>& others,
 void carry_inputs(const std::vector<ControllerInput>& from, std::vector<ControllerInput>& to) {
   for (ControllerInput& input : to)
     for (const ControllerInput& old : from)
-      if (old.name == input.name && std::isfinite(old.value))
-        input.value = std::clamp(old.value, input.lower, input.upper);
+      if (old.name == input.name)
+        input.value = old.was_set() && std::isfinite(old.value)
+                          ? std::clamp(old.value, input.lower, input.upper)
+                          : input.start;
 }
 
 std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,

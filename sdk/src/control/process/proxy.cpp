@@ -93,6 +93,7 @@ bool take_inputs(WireReader& in, std::vector<ControllerInput>& inputs) {
     in.get(input.name);
     in.get(input.unit);
     for (double* value : {&input.lower, &input.upper, &input.value}) in.get(*value);
+    input.start = input.value;
     if (!in.good() || !input_mistake(inputs, input).empty()) return false;
     inputs.push_back(std::move(input));
   }
