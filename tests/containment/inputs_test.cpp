@@ -136,6 +136,16 @@ TEST_CASE("another plugin does not have the inputs of the previous one", "[input
   CHECK(resumed->simulation->controller_inputs()[0].inputs[0].value == 1.0);
 }
 
+TEST_CASE("an input that is declared while the run goes is a fault", "[inputs]") {
+  ControllerModel controller = asker(GENERATE(Isolation::none, Isolation::process));
+  controller.parameters["wrong"] = std::string("late");
+  auto simulation = simulate(flywheel(controller), "bullet");
+  simulation->run_until(0.01);
+  CHECK_THAT(messages_of(*simulation),
+             Contains("input 'late' is declared after configure() has ended"));
+  CHECK(simulation->controller_inputs().empty());
+}
+
 TEST_CASE("going back in a run gives inputs the value that they had, set or not", "[inputs]") {
   auto simulation =
       simulate(flywheel(asker(GENERATE(Isolation::none, Isolation::process))), "bullet");

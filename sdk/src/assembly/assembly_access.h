@@ -25,6 +25,7 @@ struct AssemblyAccess {
   const std::vector<PluginOutput>* declared = nullptr;
   std::vector<double> outputs;  ///< in the order of `declared`
   std::vector<ControllerInput> inputs;
+  bool configured = false;  ///< configure() has ended: nothing can be declared any more
   std::optional<RandomStream> random;
   std::vector<int> motors;            ///< the motors that it requested
   std::vector<std::string> mistakes;  ///< errors in configure()

@@ -228,7 +228,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
   for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
-  if (access_.inputs.empty()) access_.inputs = std::move(inputs);
+  if (!access_.configured) access_.inputs = std::move(inputs);
   return true;
 }
 
