@@ -169,5 +169,7 @@ TEST_CASE("inputs that are declared wrongly are errors of the scene", "[inputs]"
   CHECK_THAT(said("nan"), Contains("are no range"));
   CHECK_THAT(said("value"), Contains("input 'a': its value 2 is not from -1 to 1"));
   CHECK_THAT(said("name"), Contains("a name has 1 to 100 bytes"));
+  for (const char* text : {"bytes", "control", "unit"})
+    CHECK_THAT(said(text), Contains("are UTF-8 without control characters"));
   CHECK_THAT(said("many"), Contains("a controller has at most 64"));
 }
