@@ -136,6 +136,16 @@ TEST_CASE("another plugin does not have the inputs of the previous one", "[input
   CHECK(resumed->simulation->controller_inputs()[0].inputs[0].value == 1.0);
 }
 
+TEST_CASE("a controller that has stopped has no inputs", "[inputs]") {
+  ControllerModel controller = asker(GENERATE(Isolation::none, Isolation::process));
+  controller.parameters["wrong"] = std::string("throw");
+  auto simulation = simulate(flywheel(controller), "bullet");
+  simulation->run_until(0.01);
+  CHECK(simulation->controller_inputs().empty());
+  after(*simulation, {"bot", "speed", 2.5});
+  CHECK_THAT(messages_of(*simulation), Contains("controller 'bot.driver' has stopped"));
+}
+
 TEST_CASE("an input that is declared while the run goes is a fault", "[inputs]") {
   ControllerModel controller = asker(GENERATE(Isolation::none, Isolation::process));
   controller.parameters["wrong"] = std::string("late");
