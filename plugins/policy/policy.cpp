@@ -177,15 +177,13 @@ class Policy final : public cogrsim::Controller {
   // What a person may ask for while the run goes: where the card says within which limits. A run that asks
   // for more from its start may go on doing so.
   void declare_inputs(cogrsim::Assembly& robot) {
-    constexpr std::pair<const char*, const char*> kWalking[] = {
-        {"forward", "m/s"}, {"left", "m/s"}, {"turn", "rad/s"}};
+    const auto& names = card_->command_names;
     for (std::size_t i = 0; i < card_->command_limits.size(); ++i) {
       const auto& [lower, upper] = card_->command_limits[i];
-      const bool walking = command_.size() == std::size(kWalking);
-      asked_.push_back(robot.input(walking ? kWalking[i].first : "command " + std::to_string(i + 1),
-                                   command_[i], std::min(lower, command_[i]),
-                                   std::max(upper, command_[i]),
-                                   walking ? kWalking[i].second : ""));
+      asked_.push_back(
+          robot.input(names.empty() ? "command " + std::to_string(i + 1) : names[i].first,
+                      command_[i], std::min(lower, command_[i]), std::max(upper, command_[i]),
+                      names.empty() ? "" : names[i].second));
     }
   }
 

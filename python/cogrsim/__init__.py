@@ -13,7 +13,8 @@ import atexit as _atexit
 import warnings as _warnings
 
 from ._errors import CompileError, Error, RunWarning, _diagnostic
-from ._cogrsim import (Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
+from ._cogrsim import (ControllerInput, Diagnostic, Element, Event, ExportedModel, Frame, ImportedModel, ImportEntry,
+                       InputHandle,
                        Message, Motor, Observation, Policy, PolicyMemory, Reading, Recorder, Robot, Scene,
                        SensorContext, SensorHandle, Signal, Simulation, Snapshot, SupervisorContext, Tick, check, compile,
                        compile_string, explain, export_model, import_model, resume)

@@ -27,6 +27,13 @@ struct PyDevice {
 using PyMotor = PyDevice<MotorHandle>;
 using PySensor = PyDevice<SensorHandle>;
 
+struct PyInput {
+  Assembly assembly;  // keeps what the handle refers to
+  InputHandle handle;
+  GatePtr gate;
+  std::string name;
+};
+
 Assembly& robot(PyAssembly& self) {
   self.gate->check("'" + self.assembly.name() + "'");
   return self.assembly;
@@ -211,6 +218,17 @@ void bind_handles(py::module_& m) {
           py::arg("on") = true, "Switch the sensor on or off.")
       .def("__repr__", [](const PySensor& s) { return "<SensorHandle '" + s.name + "'>"; });
 
+  py::class_<PyInput>(m, "InputHandle", "An input of a controller, set by Simulation.set_input().")
+      .def_readonly("name", &PyInput::name, "Its name")
+      .def_property_readonly(
+          "value",
+          [](const PyInput& s) {
+            s.gate->check("input '" + s.name + "'");
+            return s.handle.value();
+          },
+          "The present value, within its limits")
+      .def("__repr__", [](const PyInput& s) { return "<InputHandle '" + s.name + "'>"; });
+
   py::class_<PyAssembly>(m, "Robot", R"(The assembly of a controller, for configure() and update().
 
 In configure(), a name that does not exist does not raise: the errors are collected, and loading the scene
@@ -254,6 +272,17 @@ fails with all of them; later it raises KeyError. Usable only inside the calls o
       .def_property_readonly(
           "scene_folder", [](PyAssembly& s) { return robot(s).scene_folder(); },
           "Folder of the scene file, for files that a parameter names; '' for a text")
+      .def(
+          "input",
+          [](PyAssembly& s, const std::string& name, double value, double lower, double upper,
+             const std::string& unit) {
+            return PyInput{s.assembly, robot(s).input(name, value, lower, upper, unit), s.gate,
+                           name};
+          },
+          py::arg("name"), py::arg("value"), py::arg("lower"), py::arg("upper"),
+          py::arg("unit") = "",
+          "Declare an input, in configure(): a number with limits that is set while the run goes. "
+          "Later\nit is a fault.")
       .def(
           "publish",
           [](PyAssembly& s, const std::string& output, double value) {

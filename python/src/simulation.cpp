@@ -217,6 +217,16 @@ PyFrame advance(Session& session, double end, std::uint64_t most, bool progress)
 void bind_simulation(py::module_& m) {
   m.def("_end_calls", &end_calls);
   count_forks();
+  py::class_<ControllerInput>(m, "ControllerInput", "An input of a controller; see set_input().")
+      .def_readonly("name", &ControllerInput::name, "Its name")
+      .def_readonly("unit", &ControllerInput::unit, "'' if it has none")
+      .def_readonly("lower", &ControllerInput::lower, "Smallest value")
+      .def_readonly("upper", &ControllerInput::upper, "Largest value")
+      .def_readonly("value", &ControllerInput::value, "The present one")
+      .def_readonly("start", &ControllerInput::start, "The one at the start of a run")
+      .def("__repr__", [](const ControllerInput& i) {
+        return fmt::format("<ControllerInput '{}': {:.6g}>", i.name, i.value);
+      });
   py::class_<RunMessage>(m, "Message", "A message of a run: a fault, a rejected command, a report.")
       .def_readonly("time", &RunMessage::time, "[s]")
       .def_property_readonly(
@@ -347,6 +357,17 @@ Raises Error (.diagnostics) if the engine cannot simulate the scene or a plugin 
             return s->simulation->messages();
           },
           "list of Message: faults, rejected commands, reports of controllers")
+      .def_property_readonly(
+          "controller_inputs",
+          [](const SessionPtr& s) {
+            const Use use(*s);
+            py::dict out;
+            for (const ControllerInputs& it : s->simulation->controller_inputs())
+              out[py::str(it.controller)] = it.inputs;
+            return out;
+          },
+          "dict of lists of ControllerInput by the dotted name of the controller: those that "
+          "set_input()\ncan set")
       .def_property_readonly(
           "scene", [](const SessionPtr& s) { return std::const_pointer_cast<Scene>(s->scene); },
           "The Scene")

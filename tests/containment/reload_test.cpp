@@ -144,6 +144,19 @@ TEST_CASE("one without a memory restarts and reports it", "[reload]") {
   CHECK(count_of(*simulation) == 10.0);
 }
 
+TEST_CASE("a new library keeps what somebody has set, and else has its own start", "[reload]") {
+  const auto isolation = GENERATE(Isolation::none, Isolation::process);
+  const auto version = GENERATE(2, 3);  // with and without a memory
+  const bool set = GENERATE(false, true);
+  Workshop shop;
+  auto simulation = counting(shop, isolation);
+  if (set) simulation->send(SetInput{"bot", "speed", 7.0});
+  simulation->run_until(0.1);
+  shop.build(version);
+  REQUIRE(simulation->reload_controller("bot"));
+  CHECK(simulation->controller_inputs()[0].inputs[0].value == (set ? 7.0 : version));
+}
+
 TEST_CASE("a controller that was stopped runs again once it is corrected", "[reload]") {
   auto simulation = simulate(flywheel(trouble("throw")), "bullet");
   simulation->run_until(0.1);

@@ -78,15 +78,16 @@ TEST_CASE("bodies of which some geoms may touch are approximate", "[mjcf][contac
 TEST_CASE("what is not for the ground stays off it where its body's other geoms touch it",
           "[mjcf][contact]") {
   // A foot that stands on a ball, with a box around it for the other foot alone.
-  const auto foot = [](const char* name, const std::string& ball_bits, int x) {
-    return ball(name,
-                geom(ball_bits) + R"(<geom type="box" size="1 1 1" contype="4" conaffinity="4"/>)",
-                x);
+  const auto foot = [](const std::string& name, const std::string& ball_bits) {
+    return "<body name=\"" + name + "\"><joint/>" + geom(ball_bits) +
+           R"(<geom type="box" size="1 1 1" contype="4" conaffinity="4"/></body>)";
   };
-  const auto read = [&](const std::string& ball_bits) {
+  const std::string plane = R"(<geom type="plane" size="1 1 1" conaffinity="2"/>)";
+  const auto read = [&](const std::string& ball_bits, const std::string& around) {
     Imported in;
-    in.read(R"(<mujoco><worldbody><geom type="plane" size="1 1 1" conaffinity="2"/>)" +
-                foot("a", ball_bits, 0) + foot("b", ball_bits, 3) + "</worldbody></mujoco>",
+    in.read("<mujoco><worldbody>" + around +
+                ball("hip", geom("") + foot("a", ball_bits) + foot("b", ball_bits), 0) +
+                "</worldbody></mujoco>",
             "m.xml");
     REQUIRE(in.model);
     const auto& shapes = in.body("a").shapes;
@@ -94,9 +95,15 @@ TEST_CASE("what is not for the ground stays off it where its body's other geoms 
     CHECK(shapes[1].collides == !in.reports(kApproximate, "contact of a shape of 'a'", "ground"));
     return std::pair(shapes[0].collides, shapes[1].collides);
   };
-  CHECK(read(R"(contype="2" conaffinity="1")") == std::pair(true, false));
+  const std::string lands = R"(contype="2" conaffinity="1")",
+                    box = R"(contype="4" conaffinity="4")";
+  CHECK(read(lands, plane) == std::pair(true, false));
+  // Without a ground of its own it stands on that of a scene, which has the usual bits.
+  CHECK(read(lands, "") == std::pair(true, false));
   // Nothing of the foot is for the ground: the pairs of bodies say all.
-  CHECK(read(R"(contype="4" conaffinity="4")") == std::pair(true, true));
+  CHECK(read(box, plane) == std::pair(true, true));
+  // The boxes are for something beside the robot, too, which they shall push.
+  CHECK(read(lands, plane + ball("cube", geom(box), 3)) == std::pair(true, true));
 }
 
 TEST_CASE("few iterations of a later MuJoCo are the usual number", "[mjcf][option]") {

@@ -188,3 +188,32 @@ TEST_CASE("a reflectance array reads in a run") {
   CHECK(reading.values[2] == Approx(0.0).margin(1e-12));
   CHECK(reading.values[4] == Approx(1.0));
 }
+
+TEST_CASE("a change of step counts all the values that a sensor has under way") {
+  auto loader = std::make_shared<PluginLoader>();
+  dsl::LoaderCatalog catalog(loader);
+  dsl::CompileOptions compiling;
+  compiling.plugins = &catalog;
+  const auto result = dsl::compile_text(
+      "<scene version='1'><box name='sled' size='1 1 1' mass='1'/>"
+      "<sensor name='eye' plugin='reflectance' on='sled' latency='10 s'>"
+      "<set elements='64'/></sensor></scene>",
+      "sled.scene.xml", compiling);
+  INFO(dsl::to_text(result.diagnostics));
+  REQUIRE(result.ok());
+  SimulationOptions options;
+  options.backend = "bullet";
+  const auto created = Simulation::create(result.model, options, loader);
+  REQUIRE(created);
+  Simulation& simulation = **created;
+  // 64 values for 10 s are 6.4e6 and 2.1e7 numbers, and 1e7 is the limit; 16 values would be 5.3e6.
+  simulation.send(SetStep{1e-4});
+  simulation.step();
+  CHECK(simulation.dt() == 1e-4);
+  simulation.send(SetStep{3e-5});
+  simulation.step();
+  CHECK(simulation.dt() == 1e-4);
+  REQUIRE_FALSE(simulation.messages().empty());
+  CHECK_THAT(simulation.messages().back().message,
+             Catch::Contains("sensor 'eye' has a latency of 10 s"));
+}

@@ -67,6 +67,12 @@ const std::vector<Bad> kBad = {
     {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [1, 1, [1, 0]]", "CG1503", 21, 24, "lower"},
     {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [0.4, 1, 1]", "CG1503", 21, 18, "0.5 is not within"},
     {"0.5 0 0.1", "0.5 0 0.1\ncommand-limits: [.inf, 1, 1]", "CG1503", 21, 18, ""},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-names: {a: m}", "CG1503", 21, 16, "each of the 3"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-names: [a, b, c]", "CG1503", 21, 16, "each of the 3"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-names: {a: m, b: ~, \"c\\a\": m}", "CG1503", 21, 29,
+     "control"},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-names: {a: m, b: ~, \"\": m}", "CG1503", 21, 29, ""},
+    {"0.5 0 0.1", "0.5 0 0.1\ncommand-names: {a: m, b: ~, a: m}", "CG1503", 21, 29, "of its own"},
     {"kp: 40, kd: 2", "", "CG1507", 7, 10, "positions"},
     {"0.1 -0.2 rad", "0.1 -3 rad", "CG1508", 8, 15, "limits"},
 };
@@ -87,6 +93,20 @@ TEST_CASE("the card of the tests is good", "[card]") {
   CHECK(card->actions.offset == card->pose);
   CHECK(card->observed() == 20);
   CHECK(card->fallen_tilt == Approx(0.5235987755982988));
+}
+
+TEST_CASE("a command of more numbers than a run has inputs cannot be changed in it") {
+  const PolicyFolder folder;
+  std::string zeros = "0";
+  for (int i = 0; i < 64; ++i) zeros += " 0";
+  std::string card = kCard;
+  const std::string from = "command: 0.5 0 0.1";
+  card.replace(card.find(from), from.size(), "command: " + zeros + "\ncommand-limits: 1");
+  const auto found = findings(folder, card);
+  REQUIRE_FALSE(found.empty());
+  CHECK(found[0].code == "CG1503");
+  CHECK(found[0].line == 21);
+  CHECK_THAT(found[0].message, Contains("65 numbers"));
 }
 
 TEST_CASE("bad cards are refused where they are wrong", "[card][bad]") {

@@ -292,6 +292,7 @@ actions:
   scale: 0.5
   offset: default
 command-limits: [1.5, 0.8, 6.283185307179586]
+command-names: {forward: m/s, left: m/s, turn: rad/s}
 )";
 
 // A network of so many inputs and two outputs.

@@ -129,6 +129,7 @@ Result<std::vector<NetworkInputs>> recorded_inputs(const std::string& card,
     };
     bool on = see(*simulation.frame());
     const Observation observation = simulation.observe({}, [&](const FramePtr& frame) {
+      if (frame->step == 0) return;  // has been seen
       if (on && !(on = see(*frame))) simulation.stop();
     });
     if (on) static_cast<void>(simulation.run_until(kRun));

@@ -239,12 +239,15 @@ TEST_CASE("a run continues from a snapshot with the policy's memory", "[run]") {
 
 TEST_CASE("what is asked of a policy can be changed within its card's limits", "[run]") {
   const PolicyFolder folder;
-  const std::string limits = "command-limits: [[-1, 0.6], 0.5, 1]\n";
+  const std::string limits =
+      "command-limits: [[-1, 0.6], 0.5, 1]\n"
+      "command-names: {forward: m/s, left: m/s, turn: ~}\n";
   const auto steered = start(folder, kCard + limits);
   const auto inputs = steered->controller_inputs();
   REQUIRE(inputs.size() == 1);
   REQUIRE(inputs[0].inputs.size() == 3);
-  CHECK(inputs[0].inputs[0].name == "forward");
+  CHECK((inputs[0].inputs[0].name == "forward" && inputs[0].inputs[0].unit == "m/s"));
+  CHECK((inputs[0].inputs[2].name == "turn" && inputs[0].inputs[2].unit.empty()));
   CHECK(inputs[0].inputs[1].lower == -0.5);
   CHECK(inputs[0].inputs[2].value == 0.1);
   const auto ask = [&](const char* input, double value) {
@@ -265,6 +268,10 @@ TEST_CASE("what is asked of a policy can be changed within its card's limits", "
   REQUIRE(steered->run_until(0.3) == RunStatus::completed);
   REQUIRE(other->run_until(0.3) == RunStatus::completed);
   CHECK(!same());
+  // Numbers of which the card does not say what they are have no names.
+  const auto unnamed = start(folder, kCard + std::string("command-limits: [1, 1, 1]\n"));
+  CHECK(unnamed->controller_inputs()[0].inputs[1].name == "command 2");
+  CHECK(unnamed->controller_inputs()[0].inputs[1].unit.empty());
   // Without limits there is nothing to set.
   CHECK(other->controller_inputs().empty());
 }

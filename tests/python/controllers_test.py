@@ -73,6 +73,20 @@ class Boss(cg.Supervisor):
         if z < self.limit:
             context.end_run("low enough")
 
+class Asker(cg.Controller):
+    parameters = [cg.parameter("late", False)]
+    outputs = [cg.output("asked", "rad/s")]
+
+    def configure(self, robot):
+        self.robot, self.late = robot, robot.parameter("late")
+        self.speed = robot.input("speed", 0.5, -1, 2, "rad/s")
+        handles[:] = [self.speed]
+
+    def update(self, tick):
+        if self.late and tick.count == 2:
+            self.robot.input("late", 0, -1, 1)
+        self.robot.publish("asked", self.speed.value)
+
 class Looker(cg.Controller):
     """Reads by the names of C++."""
     def configure(self, robot):
@@ -152,6 +166,37 @@ class InPython(Case):
         self.assertEqual(controller.updates, 25)
         name = sim.scene.controllers[0]
         self.assertAlmostEqual(frame[name].angle, frame["arm.elbow"].position, places=1)
+
+    def asker(self, settings="", isolation="none"):
+        text = ROBOT.replace("Turner", "Asker").replace('speed="90 deg/s" ', "")
+        return cg.Simulation(self.compile(text, settings=settings), isolation=isolation)
+
+    def test_inputs(self):
+        for isolation in ("none", "process"):
+            sim = self.asker('late="false"', isolation)
+            name = sim.scene.controllers[0]
+            self.assertEqual(sim.run_until(0.1)[name].asked, 0.5)
+            (one,) = sim.controller_inputs[name]
+            self.assertEqual((one.name, one.unit, one.lower, one.upper, one.value, one.start),
+                             ("speed", "rad/s", -1.0, 2.0, 0.5, 0.5))
+            sim.set_input("arm", "speed", 1.5)
+            self.assertEqual(sim.run_until(0.2)[name].asked, 1.5)
+            self.assertEqual([(each.value, each.start) for each in sim.controller_inputs[name]], [(1.5, 0.5)])
+            with self.assertWarnsRegex(cg.RunWarning, "2.5 is not from -1 to 2"):
+                sim.set_input("arm", "speed", 2.5)
+                sim.step()
+            with self.assertWarnsRegex(cg.RunWarning, "has no input 'sped'"):
+                sim.set_input("arm", "sped", 1)
+                sim.step()
+            self.assertEqual(sim.controller_inputs[name][0].value, 1.5)
+        with self.assertRaisesRegex(RuntimeError, "input 'speed'.*inside the calls"):
+            self.loaded().handles[0].value
+
+    def test_an_input_that_is_declared_later_is_a_fault(self):
+        sim = self.asker('late="true"')
+        with self.assertWarnsRegex(cg.RunWarning, "'late' is declared after configure"):
+            sim.run_until(0.1)
+        self.assertEqual(sim.controller_inputs, {})
 
     def test_parameters_are_checked_by_the_compiler(self):
         for settings, expected in (('sped="1 m"', "speed"), ('name="up"', "left"), ('count="1.5"', "count")):

@@ -128,9 +128,7 @@ bool Builder::drawn_quantities(const Element& element, const Call& call, std::st
   // The numbers at which a value is smallest or largest, and the one that must be possible.
   std::vector<double> ends = out.numbers;
   if (out.shape == Form::normal) ends.pop_back();
-  SceneModel late;  // as late as motors and sensors can become
-  late.motors = model_.motors;
-  late.sensors = model_.sensors;
+  SceneModel late;  // as late as motors and sensors can become, if it is about that
   std::set<std::string> delays;
   for (const VariableQuantity& quantity : found) {
     const bool factor = out.how == RandomizeModel::How::multiply;
@@ -168,10 +166,15 @@ bool Builder::drawn_quantities(const Element& element, const Call& call, std::st
     }
     out.quantities.push_back(quantity.name);
     if (is_delay(quantity.name)) {
+      if (delays.empty()) {
+        late.motors = model_.motors;
+        late.sensors = model_.sensors;
+      }
       quantity.set(late, {longest});
       delays.insert(quantity.name);
     }
   }
+  if (delays.empty()) return true;
   for (const UnusableDelay& it : unusable_delays(late, model_.physics.step)) {
     const auto at = static_cast<std::size_t>(it.index);
     const std::string name =

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 
@@ -117,8 +118,10 @@ class ContactBits {
 
   /// Where some shapes of a link touch what stands in the world, and others are for contact within the
   /// robot alone (a box around a foot that walks on spheres), all would touch it. What the robot walks
-  /// on matters more than contact within it: the others touch nothing.
+  /// on matters more than contact within it: the others touch nothing. What some are for that lies
+  /// around the robot, such as a thing to be grasped, they keep touching.
   void keep_off_the_ground() {
+    find_trees();
     std::set<int> bases;  // parts of robots themselves
     for (const RobotJoint& j : robot_.joints) bases.insert(j.parent);
     std::set<Class> ground;
@@ -127,11 +130,12 @@ class ContactBits {
         if (s.collides && robot_.stands(static_cast<int>(i)) &&
             bases.count(static_cast<int>(i)) == 0)
           ground.insert(class_of(s));
+    const Class usual{robot_.usual_bits, robot_.usual_bits};
+    if (ground.empty()) ground.insert(usual);  // that of the scene
     const auto lands = [&](const RobotShape& s) {
       return std::any_of(ground.begin(), ground.end(),
                          [&](const Class& g) { return touch(class_of(s), g); });
     };
-    const Class usual{robot_.usual_bits, robot_.usual_bits};
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       auto& shapes = robot_.links[i].shapes;
       if (robot_.stands(static_cast<int>(i)) ||
@@ -140,7 +144,7 @@ class ContactBits {
         continue;
       for (RobotShape& s : shapes) {
         if (!s.collides || lands(s) || touch(class_of(s), usual) ||
-            named_shapes_.count(s.name) != 0)
+            named_shapes_.count(s.name) != 0 || !is_for_own_tree(static_cast<int>(i), s))
           continue;
         s.collides = false;
         context_.approximate(
@@ -149,6 +153,38 @@ class ContactBits {
             "shapes of its link touch, and a scene decides that for all shapes of a body");
       }
     }
+  }
+
+  int tree_of(int link) {
+    while (trees_[link] != link) link = trees_[link] = trees_[trees_[link]];
+    return link;
+  }
+
+  /// Links that joints connect, and in which trees there are shapes of a class. The world connects
+  /// nothing.
+  void find_trees() {
+    trees_.resize(robot_.links.size());
+    std::iota(trees_.begin(), trees_.end(), 0);
+    for (const auto* joints : {&robot_.joints, &robot_.loops})
+      for (const RobotJoint& j : *joints)
+        if (j.parent >= 0 && j.child >= 0 && !robot_.links[j.parent].is_ground)
+          trees_[tree_of(j.child)] = tree_of(j.parent);
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const int tree = tree_of(static_cast<int>(i));
+      for (const RobotShape& s : robot_.links[i].shapes) {
+        if (!s.collides) continue;
+        int& only = only_tree_.emplace(class_of(s), tree).first->second;
+        if (only != tree) only = -1;
+      }
+    }
+  }
+
+  /// Whether all that a shape touches is of its own tree.
+  bool is_for_own_tree(int link, const RobotShape& shape) {
+    const int tree = tree_of(link);
+    return std::all_of(only_tree_.begin(), only_tree_.end(), [&](const auto& it) {
+      return it.second == tree || !touch(class_of(shape), it.first);
+    });
   }
 
   /// By their model.
@@ -245,6 +281,8 @@ class ContactBits {
   Context& context_;
   RobotModel& robot_;
   std::map<Class, std::size_t> classes_;
+  std::vector<int> trees_;          // of links: another one of the same tree, or itself
+  std::map<Class, int> only_tree_;  // that has shapes of a class; -1: several
   std::vector<Masks> masks_;
   std::set<Pair> named_;
   std::set<std::string> named_shapes_;

@@ -8,6 +8,7 @@
 #include "assembly/assembly_access.h"
 #include "cogrsim/algorithms/algorithm.h"
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/shown_text.h"
 #include "cogrsim/sensing/sensor_models.h"
 #include "core/index.h"
 #include "model/motor_limits.h"
@@ -312,6 +313,11 @@ double InputHandle::value() const { return access_ ? access_->inputs[input_].val
 
 InputHandle Assembly::input(const std::string& name, double value, double lower, double upper,
                             const std::string& unit) {
+  if (access_->configured) {
+    access_->fault =
+        "input '" + one_line(name.substr(0, 100)) + "' is declared after configure() has ended";
+    return {};
+  }
   ControllerInput input{name, unit, lower, upper, value};
   if (std::string wrong = input_mistake(access_->inputs, input); !wrong.empty()) {
     access_->mistakes.push_back(std::move(wrong));

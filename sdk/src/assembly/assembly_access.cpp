@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cogrsim/core/constants.h"
+#include "cogrsim/core/shown_text.h"
 #include "core/index.h"
 
 namespace cogrsim {
@@ -33,9 +34,12 @@ std::string assembly_name(const SceneModel& model, int assembly) {
 std::string input_mistake(const std::vector<ControllerInput>& others,
                           const ControllerInput& input) {
   constexpr std::size_t kMost = 64, kLongest = 100;  // what somebody can oversee
-  const std::string who = "input '" + input.name.substr(0, kLongest) + "'";
+  const std::string who = "input '" + one_line(input.name.substr(0, kLongest)) + "'";
   if (input.name.empty() || input.name.size() > kLongest || input.unit.size() > kLongest)
     return fmt::format("{}: a name has 1 to {} bytes, a unit at most as many", who, kLongest);
+  // They are written to files and shown, and found again by what was written there.
+  if (one_line(input.name) != input.name || one_line(input.unit) != input.unit)
+    return who + ": its name and unit are UTF-8 without control characters";
   if (others.size() >= kMost) return fmt::format("{}: a controller has at most {}", who, kMost);
   if (std::any_of(others.begin(), others.end(),
                   [&](const ControllerInput& other) { return other.name == input.name; }))
@@ -51,8 +55,10 @@ std::string input_mistake(const std::vector<ControllerInput>& others,
 void carry_inputs(const std::vector<ControllerInput>& from, std::vector<ControllerInput>& to) {
   for (ControllerInput& input : to)
     for (const ControllerInput& old : from)
-      if (old.name == input.name && std::isfinite(old.value))
-        input.value = std::clamp(old.value, input.lower, input.upper);
+      if (old.name == input.name)
+        input.value = old.was_set() && std::isfinite(old.value)
+                          ? std::clamp(old.value, input.lower, input.upper)
+                          : input.start;
 }
 
 std::optional<std::string> publish_output(const std::vector<PluginOutput>& declared,

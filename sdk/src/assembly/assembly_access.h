@@ -25,6 +25,7 @@ struct AssemblyAccess {
   const std::vector<PluginOutput>* declared = nullptr;
   std::vector<double> outputs;  ///< in the order of `declared`
   std::vector<ControllerInput> inputs;
+  bool configured = false;  ///< configure() has ended: nothing can be declared any more
   std::optional<RandomStream> random;
   std::vector<int> motors;            ///< the motors that it requested
   std::vector<std::string> mistakes;  ///< errors in configure()
@@ -41,7 +42,8 @@ std::string assembly_name(const SceneModel& model, int assembly);
 /// What is wrong with an input that a controller declares beside these; empty: nothing.
 std::string input_mistake(const std::vector<ControllerInput>& others, const ControllerInput& input);
 
-/// Gives those of these inputs that have the name of one of the others its value, within their limits.
+/// Gives those of these inputs that have the name of one of the others its value, within their limits;
+/// where nobody has set the other one, their own start value.
 void carry_inputs(const std::vector<ControllerInput>& from, std::vector<ControllerInput>& to);
 
 /// Sets one of the declared outputs; returns an error message if it is not declared.

@@ -48,6 +48,7 @@ class InProcessController final : public HostedController {
     auto thrown = entry_.create(made);
     controller_.reset(made);
     if (made) thrown = entry_.configure(*made, robot_);
+    access_->configured = true;
     return thrown_failure(std::move(thrown));
   }
   std::optional<HostFailure> update(const Tick& tick) override {

@@ -101,7 +101,7 @@ class Reader {
     yaml_.check_keys(root,
                      {"policy", "robot", "keyframe", "base", "network", "input", "output", "state",
                       "rate", "step", "joints", "default-pose", "observations", "observation-clip",
-                      "actions", "command", "command-limits", "fallen"},
+                      "actions", "command", "command-limits", "command-names", "fallen"},
                      "a policy card");
     if (const auto version = yaml_.word(
             yaml_.required(root, "policy", "a card begins with \"policy: 1\", its version"),
@@ -524,12 +524,20 @@ class Reader {
       card_.command = *values;
     place("command", node);
     command_limits(yaml_.root()["command-limits"]);
+    command_names(yaml_.root()["command-names"]);
   }
 
   void command_limits(const YAML::Node& node) {
     if (!node.IsDefined()) return;
     place("command-limits", node);
+    constexpr std::size_t kMost = 64;  // inputs of a controller
     const std::size_t count = card_.command.size();
+    if (count > kMost)
+      return yaml_.error(node, "CG1503",
+                         fmt::format("a command of {} numbers cannot be changed in a run: at most "
+                                     "{} can",
+                                     count, kMost),
+                         "leave out command-limits");
     if (!node.IsSequence() || node.size() != count)
       return yaml_.error(
           node, "CG1503",
@@ -547,6 +555,37 @@ class Reader {
             fmt::format("the command {} is not within {} and {}, or they are no range",
                         card_.command[i], limits->first, limits->second));
       card_.command_limits.push_back(*limits);
+    }
+  }
+
+  void command_names(const YAML::Node& node) {
+    if (!node.IsDefined()) return;
+    place("command-names", node);
+    constexpr std::size_t kLongest = 100;  // of an input's name and unit
+    if (!node.IsMap() || node.size() != card_.command.size())
+      return yaml_.error(node, "CG1503",
+                         fmt::format("command-names has an entry for each of the {} numbers of the "
+                                     "command",
+                                     card_.command.size()),
+                         "names and units: \"command-names: {forward: m/s, turn: rad/s}\"; ~ for "
+                         "no unit");
+    std::set<std::string> known;
+    for (const auto& entry : node) {
+      const auto name = yaml_.word(entry.first, "a name in command-names");
+      const auto unit = entry.second.IsNull() ? std::optional<std::string>("")
+                                              : yaml_.word(entry.second, "a unit in command-names");
+      if (!name || !unit) return;
+      for (const std::string& text : {*name, *unit})
+        if (text.size() > kLongest || one_line(text) != text)
+          return yaml_.error(
+              entry.first, "CG1503",
+              fmt::format("names and units of commands have at most {} bytes, and no "
+                          "control characters",
+                          kLongest));
+      if (!known.insert(*name).second)
+        return yaml_.error(entry.first, "CG1503",
+                           "each number of the command has a name of its own");
+      card_.command_names.emplace_back(*name, *unit);
     }
   }
 

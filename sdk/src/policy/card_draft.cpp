@@ -14,7 +14,8 @@ namespace {
 constexpr const char* kOrder[] = {
     "policy",           "robot",        "keyframe", "base",    "network",        "input",
     "output",           "state",        "rate",     "step",    "joints",         "default-pose",
-    "observation-clip", "observations", "actions",  "command", "command-limits", "fallen"};
+    "observation-clip", "observations", "actions",  "command", "command-limits", "command-names",
+    "fallen"};
 
 constexpr const char* kActions[] = {
     "kind",         "scale",        "offset",        "clip",  "kp", "kd",

@@ -476,6 +476,7 @@ class ScriptReader {
       out += (out.empty() ? "[" : ", ") + number_text(*most);
     }
     draft_.top.set("command-limits", out + "]");
+    draft_.top.set("command-names", "{forward: m/s, left: m/s, turn: rad/s}");
   }
 
   void pose() {

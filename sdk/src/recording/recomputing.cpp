@@ -86,7 +86,7 @@ class Reader {
   Result<> follow(const SceneModelPtr& model) {
     if (model == model_) return {};
     const std::size_t first = std::min(suite_.size(), model->sensors.size());
-    const auto found = suite_.build(model, seed_, loader_, first);
+    const auto found = suite_.build(model, seed_, loader_, model->physics.step, first);
     if (!found.empty()) return fail(found.front().message, "", found.front().help);
     for (std::size_t i = 0; i < first; ++i) {
       if (model->sensors[i].removed) suite_.retire(i);

@@ -71,7 +71,8 @@ std::vector<UnusableDelay> unusable_delays(const SceneModel& model, double step)
   }
   for (std::size_t i = 0; i < model.sensors.size(); ++i) {
     const SensorModel& sensor = model.sensors[i];
-    if (sensor.removed) continue;
+    // The rays of a lidar take their time.
+    if (sensor.removed || sensor.latency == 0.0) continue;
     if (auto error = unusable_latency(sensor, step, values_of(sensor)))
       found.push_back({false, static_cast<int>(i), std::move(*error)});
   }

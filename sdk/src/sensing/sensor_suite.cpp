@@ -21,7 +21,7 @@ void SensorSuite::take_down(Slot& slot) {
 }
 
 std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t index,
-                                          PluginLoader& loader, Slot& slot) const {
+                                          PluginLoader& loader, double step, Slot& slot) const {
   const SensorModel& description = model.sensors[index];
   const auto refuse = [&](const Error& error, const char* code) {
     return std::vector<Diagnostic>{diagnose(model, description.origin,
@@ -52,24 +52,33 @@ std::vector<Diagnostic> SensorSuite::make(const SceneModel& model, std::size_t i
     return refuse(ready.error(), "CG0906");
   }
   slot.channels = std::make_shared<const std::vector<Channel>>(slot.sensor->channels());
-  // How many values a plugin's sensor has is not known before.
-  if (slot.plugin) {
-    const auto late = unusable_latency(description, model.physics.step,
-                                       static_cast<double>(slot.channels->size()));
-    if (late) return refuse(*late, "CG0716");
-  }
+  if (const auto late = unusable_latency(description, step, slot)) return refuse(*late, "CG0716");
   slot.needs = slot.sensor->needs();
   return {};
 }
 
+std::optional<Error> SensorSuite::unusable_latency(const SensorModel& description, double step,
+                                                   const Slot& slot) {
+  if (!slot.plugin || !slot.sensor) return std::nullopt;
+  return cogrsim::unusable_latency(description, step, static_cast<double>(slot.channels->size()));
+}
+
+std::optional<Error> SensorSuite::unusable_latency(const SceneModel& model, double step) const {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (model.sensors[i].removed) continue;
+    if (auto late = unusable_latency(model.sensors[i], step, slots_[i])) return late;
+  }
+  return std::nullopt;
+}
+
 std::vector<Diagnostic> SensorSuite::build(const SceneModelPtr& model, std::uint64_t seed,
-                                           PluginLoader& loader, std::size_t first) {
+                                           PluginLoader& loader, double step, std::size_t first) {
   std::vector<Diagnostic> found;
   cut(first);
   for (std::size_t i = first; i < model->sensors.size(); ++i) {
     const SensorModel& description = model->sensors[i];
     Slot slot;
-    for (Diagnostic& d : make(*model, i, loader, slot)) found.push_back(std::move(d));
+    for (Diagnostic& d : make(*model, i, loader, step, slot)) found.push_back(std::move(d));
     slot.noise = description.noise;
     slot.latency = description.latency;
     slot.random = RandomStream(seed, description.name);

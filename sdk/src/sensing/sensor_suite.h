@@ -46,9 +46,13 @@ class SensorSuite {
   /// Creates and configures the sensors of `model` from index `first` on; existing ones before
   /// `first` are unchanged, the others are destroyed. The random streams depend on `seed` and the
   /// name of the sensor. Errors, with the source location of the sensor: an unknown type (codes of
-  /// the loader), or a configuration that the sensor rejects (its own code or CG0906).
+  /// the loader), or a configuration that the sensor rejects (its own code or CG0906), or a latency for
+  /// which there is no memory with steps of `step` [s] (CG0716; of plugins alone, whose number of values
+  /// is not known before).
   std::vector<Diagnostic> build(const SceneModelPtr& model, std::uint64_t seed,
-                                PluginLoader& loader, std::size_t first = 0);
+                                PluginLoader& loader, double step, std::size_t first = 0);
+  /// Likewise of those that there are, when the step changes.
+  std::optional<Error> unusable_latency(const SceneModel& model, double step) const;
   /// Destroys the sensors from index `count` on.
   void cut(std::size_t count);
   void clear() { cut(0); }
@@ -104,7 +108,9 @@ class SensorSuite {
   static PluginCall calling(const Slot& slot, const char* doing, double time);
   static void take_down(Slot& slot);
   std::vector<Diagnostic> make(const SceneModel& model, std::size_t index, PluginLoader& loader,
-                               Slot& slot) const;
+                               double step, Slot& slot) const;
+  static std::optional<Error> unusable_latency(const SensorModel& description, double step,
+                                               const Slot& slot);
 
   std::vector<Slot> slots_;
   mutable std::shared_ptr<const SensorChannels> channels_;  ///< of all slots; nullptr: not built

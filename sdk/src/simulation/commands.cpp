@@ -80,6 +80,9 @@ void Simulation::Impl::apply(Command& command) {
                               if (c.dt < clock.dt()) {
                                 const auto found = unusable_delays(*host.model(), c.dt);
                                 if (!found.empty()) return tl::unexpected(found.front().error);
+                                auto late =
+                                    devices.sensors().unusable_latency(*host.model(), c.dt);
+                                if (late) return tl::unexpected(std::move(*late));
                               }
                               clock.set_dt(c.dt);
                               return {};
@@ -119,7 +122,10 @@ Result<> Simulation::Impl::restart(std::optional<std::uint64_t> seed) {
   forces.set_applied({});
   world_changed();
   commands.restore({});  // those that the previous run has sent do not apply to this one
-  const std::vector<Diagnostic> found = build_all();
+  std::vector<Diagnostic> found = build_all();
+  // They may be drawn for each run, and the step be another one than the scene's.
+  for (const UnusableDelay& it : unusable_delays(model(), clock.dt()))
+    found.push_back(to_diagnostic(it.error));
   events.publish("restarted", "");
   if (!found.empty()) {
     status = RunStatus::fault;

@@ -13,7 +13,7 @@ std::vector<Diagnostic> DeviceManager::build(const Counts& first) {
   for (std::size_t i = first.motors; i < model->motors.size(); ++i) {
     motors_.push_back(initial_motor_state(*model, model->motors[i]));
   }
-  return sensors_.build(model, host_.seed(), loader_, first.sensors);
+  return sensors_.build(model, host_.seed(), loader_, clock_.dt(), first.sensors);
 }
 
 void DeviceManager::retire_sensors(std::size_t first) {

@@ -14,6 +14,7 @@ class Counter final : public cogrsim::Controller {
     robot_ = std::make_unique<cogrsim::Assembly>(robot);
     motor_ = robot.motor("left");
     motor_.set(0.5);
+    robot.input("speed", COUNTER_VERSION, 0.0, 10.0);
     if (COUNTER_VERSION == 7) throw std::runtime_error("half finished");
   }
   void update(const cogrsim::Tick&) override {

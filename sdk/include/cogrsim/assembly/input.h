@@ -13,6 +13,10 @@ struct ControllerInput {
   double lower = -1.0;  ///< smallest and largest value, both finite
   double upper = 1.0;
   double value = 0.0;
+  double start = value;  ///< the value with which it was declared
+
+  /// Whether somebody has given it another value.
+  bool was_set() const { return value != start; }
 };
 
 /// Those of one controller of a run; see Simulation::controller_inputs().

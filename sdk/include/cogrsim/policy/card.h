@@ -100,6 +100,8 @@ struct COGRSIM_API PolicyCard {
   std::vector<double> command;  ///< at the start of a run; three numbers by default
   /// Within which the command may be changed in a run; empty: not at all.
   std::vector<std::pair<double, double>> command_limits;
+  /// Names and units of its numbers; empty: it has none.
+  std::vector<std::pair<std::string, std::string>> command_names;
   double fallen_height = 0.0;  ///< of the base, below which the robot counts as fallen [m]
   double fallen_tilt = 1.0;    ///< of the base's z axis from the vertical, likewise [rad]
   /// Where the card has what it names: by key, "joints.3" for the entries of a list.

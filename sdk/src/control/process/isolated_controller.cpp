@@ -105,6 +105,7 @@ class IsolatedController final : public HostedController {
     in.get(thrown);
     if (refused) return HostFailure{HostFailure::Kind::refused, *refused};
     if (!proxy_.take_effects(in)) return damaged();
+    access_->configured = true;
     if (debugging()) {
       std::fprintf(stderr, "%s runs in process %lld\n", one_line(who_).c_str(),
                    static_cast<long long>(worker_));

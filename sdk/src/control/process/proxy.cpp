@@ -93,6 +93,7 @@ bool take_inputs(WireReader& in, std::vector<ControllerInput>& inputs) {
     in.get(input.name);
     in.get(input.unit);
     for (double* value : {&input.lower, &input.upper, &input.value}) in.get(*value);
+    input.start = input.value;
     if (!in.good() || !input_mistake(inputs, input).empty()) return false;
     inputs.push_back(std::move(input));
   }
@@ -227,7 +228,7 @@ bool ProxyWriter::take_effects(WireReader& in) {
   for (std::size_t i = 0; i < reports.size(); ++i) port.report(sources[i], reports[i]);
   access_.mistakes = std::move(mistakes);
   access_.fault = std::move(fault);
-  if (access_.inputs.empty()) access_.inputs = std::move(inputs);
+  if (!access_.configured) access_.inputs = std::move(inputs);
   return true;
 }
 

@@ -89,7 +89,7 @@ std::vector<ControllerInputs> ControllerManager::inputs() const {
   std::vector<ControllerInputs> out;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const ControllerModel& description = host_.model()->controllers[i];
-    if (description.removed || !slots_[i].access || slots_[i].access->inputs.empty()) continue;
+    if (description.removed || !slots_[i].runs() || slots_[i].access->inputs.empty()) continue;
     out.push_back({description.name, slots_[i].access->inputs});
   }
   return out;
@@ -100,6 +100,8 @@ Result<> ControllerManager::set_input(const SetInput& command) {
   if (!found) return tl::unexpected(found.error());
   const std::string& name = host_.model()->controllers[*found].name;
   if (!slots_[*found].access) return fail("controller '" + name + "' never ran");
+  if (!slots_[*found].runs())
+    return fail("controller '" + name + "' has stopped, and its inputs act no more");
   std::vector<std::string> names;
   for (ControllerInput& input : slots_[*found].access->inputs) {
     names.push_back(input.name);

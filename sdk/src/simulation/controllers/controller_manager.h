@@ -19,6 +19,7 @@ struct ControllerSlot {
   std::unique_ptr<HostedController> controller;
   ControllerClock clock;
 
+  bool runs() const { return controller && !clock.stopped; }
   RandomStream* random() const { return access ? &*access->random : nullptr; }
   std::vector<double>* outputs() const { return access ? &access->outputs : nullptr; }
   /// The state that the controller itself saves; none if it was never created.

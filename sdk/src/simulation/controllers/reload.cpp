@@ -66,6 +66,7 @@ std::optional<std::string> ControllerManager::transfer_state(const ControllerSlo
     devices_.restore(before);
     return wrong;
   }
+  carry_inputs(old.access->inputs, fresh.access->inputs);  // they are not part of what it saves
   if (!memory) {
     done.note = "it restarted, because the old one saved no state (save())";
     return std::nullopt;
@@ -78,7 +79,6 @@ std::optional<std::string> ControllerManager::transfer_state(const ControllerSlo
   devices_.restore(before);
   fresh.access->random->set_state(old.access->random->state());
   fresh.access->outputs = old.access->outputs;
-  carry_inputs(old.access->inputs, fresh.access->inputs);
   done.memory_kept = true;
   return std::nullopt;
 }

@@ -179,8 +179,9 @@ Result<> write_snapshot(const Simulation& simulation, const std::string& path,
   auto controllers = hosted_json(from.model().controllers, from.controllers.slots());
   if (!controllers) return tl::unexpected(controllers.error());
   for (const ControllerInputs& each : from.controllers.inputs())
-    for (const ControllerInput& input : each.inputs)
-      (*controllers)[each.controller]["inputs"][input.name] = number(input.value);
+    for (const ControllerInput& input : each.inputs)  // the others start as the scene says
+      if (input.was_set())
+        (*controllers)[each.controller]["inputs"][input.name] = number(input.value);
   content["controllers"] = std::move(*controllers);
   auto supervisors = hosted_json(from.model().supervisors, from.supervisors.slots());
   if (!supervisors) return tl::unexpected(supervisors.error());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "cogrsim/core/constants.h"
 #include "model/diagnose.h"
 #include "simulation/impl.h"
 #include "simulation/snapshot/data.h"
@@ -266,6 +267,11 @@ class Resumption {
     clock.count = whole_from<std::uint64_t>(saved.at("count"));
   }
 
+  /// Whether a snapshot's controllers have this one; with another plugin it is another one.
+  static bool is_of(const Json& then, const ControllerModel& model) {
+    return then.contains(model.name) && then.at(model.name).at("plugin") == model.plugin;
+  }
+
   /// Transfers controllers or supervisors.
   template <class Slot>
   void hosted(const std::string& kind, const Json& then, const std::vector<ControllerModel>& models,
@@ -277,7 +283,7 @@ class Resumption {
       if (model.removed) continue;
       names.insert(model.name);
       Slot& slot = slots[i];
-      if (!then.contains(model.name) || then.at(model.name).at("plugin") != model.plugin) {
+      if (!is_of(then, model)) {
         slot.clock.timer.skip_to(to_.clock.time(), to_.clock.dt());
         fresh.push_back(model.name);
         continue;
@@ -307,17 +313,17 @@ class Resumption {
     note_missing(kind, kind + "s", then, names);
   }
 
-  /// That controllers declare again; older files have none.
+  /// Those that somebody had set; older files have none.
   void inputs() {
     const Json& then = content_.at("controllers");
     const auto& models = to_.model().controllers;
     for (std::size_t i = 0; i < models.size(); ++i) {
       const auto& access = to_.controllers.slots()[i].access;
-      if (models[i].removed || !access || !then.contains(models[i].name)) continue;
+      if (models[i].removed || !access || !is_of(then, models[i])) continue;
       const Json saved = then.at(models[i].name).value("inputs", Json::object());
       std::vector<ControllerInput> had;
       for (const auto& [name, value] : saved.items())
-        had.push_back({name, {}, 0.0, 0.0, number_from(value)});
+        had.push_back({name, {}, 0.0, 0.0, number_from(value), kNaN});
       carry_inputs(had, access->inputs);
     }
   }
