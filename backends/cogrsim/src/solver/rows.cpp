@@ -465,6 +465,7 @@ void RowBuilder::add_contacts(const StepContext& context, const Manifold& manifo
 bool RowBuilder::add_contact(const StepContext& context, const Manifold& manifold, const Pair& pair,
                              const ContactPoint& point, const ContactMotion* motions) {
   const SurfacePair& surface = *manifold.surface;
+  if (surface.stiffness && *surface.stiffness <= 0.0) return false;  // it presses with nothing
   const int first = int(set_.rows.size());
   const Vec3& n = point.normal;
   const int at = int(&point - manifold.first);
