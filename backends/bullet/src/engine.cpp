@@ -150,8 +150,8 @@ const ParameterTable& Engine::options() {
 
 Result<std::unique_ptr<Engine>> Engine::make(const SceneModelPtr& model, const Parameters& options,
                                              const WorldState& begin, const Engine*) {
-  std::unique_ptr<Engine> out(new Engine(model, options));
-  if (auto done = out->build(begin); !done) return tl::unexpected<Error>(done.error());
+  std::unique_ptr<Engine> out(new Engine(model));
+  if (auto done = out->build(options, begin); !done) return tl::unexpected<Error>(done.error());
   return out;
 }
 
@@ -161,32 +161,32 @@ Engine::~Engine() {
   sound_ ? world_.reset() : void(world_.release());
 }
 
-void Engine::make_world() {
+void Engine::make_world(const Parameters& options) {
   btDefaultCollisionConstructionInfo info;
   configuration_ = std::make_unique<btDefaultCollisionConfiguration>(info);
   const auto count = [&](const char* name) {
-    return static_cast<int>(value_of<std::int64_t>(options_, name));
+    return static_cast<int>(value_of<std::int64_t>(options, name));
   };
   const int points = count("plane-convex-multipoint-iterations");
   if (points > 0) configuration_->setPlaneConvexMultipointIterations(points, points);
   dispatcher_ = std::make_unique<btCollisionDispatcher>(configuration_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();
-  solver_ = make_solver(value_of<std::string>(options_, "solver"), mlcp_, rows_);
+  solver_ = make_solver(value_of<std::string>(options, "solver"), mlcp_, rows_);
   world_ = std::make_unique<btDiscreteDynamicsWorld>(dispatcher_.get(), broadphase_.get(),
                                                      solver_.get(), configuration_.get());
   // Pairs in order of their bodies, not of memory addresses: otherwise runs need not repeat.
   world_->getDispatchInfo().m_deterministicOverlappingPairs = true;
-  const auto number = [&](const char* name) { return value_of<double>(options_, name); };
+  const auto number = [&](const char* name) { return value_of<double>(options, name); };
   btContactSolverInfo& solver = world_->getSolverInfo();
   solver.m_numIterations = count("iterations");
   solver.m_erp = number("erp");
   solver.m_erp2 = number("erp2");
   solver.m_globalCfm = number("cfm");
-  solver.m_splitImpulse = value_of<bool>(options_, "split-impulse");
+  solver.m_splitImpulse = value_of<bool>(options, "split-impulse");
   solver.m_splitImpulsePenetrationThreshold = number("split-impulse-penetration-threshold");
   // Without warm starting the solver would not write its impulses back: a factor of 0 is the same.
   solver.m_warmstartingFactor =
-      value_of<bool>(options_, "warm-starting") ? number("warm-starting-factor") : 0.0;
+      value_of<bool>(options, "warm-starting") ? number("warm-starting-factor") : 0.0;
   if (count("friction-directions") == 2) solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   if (!surfaces_->velocities.empty()) {
     solver.m_solverMode |=
@@ -199,8 +199,8 @@ void Engine::make_world() {
       btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, nullptr));
 }
 
-Result<> Engine::build(const WorldState& state) {
-  make_world();
+Result<> Engine::build(const Parameters& options, const WorldState& state) {
+  make_world(options);
   const std::size_t count = model_->bodies.size();
   parts_.resize(count);
   before_.resize(count);
@@ -210,7 +210,7 @@ Result<> Engine::build(const WorldState& state) {
     Part& part = parts_[b];
     part.pose = state.poses[b];
     if (body.kind == BodyKind::dynamic) part.X_BG = principal_frame(body, part.inertia);
-    auto shape = make_body_shape(*model_, body, value_of<double>(options_, "margin"), part.X_BG);
+    auto shape = make_body_shape(*model_, body, value_of<double>(options, "margin"), part.X_BG);
     if (!shape) return tl::unexpected<Error>(shape.error());
     part.shape = std::move(*shape);
     surfaces_->set_frame(static_cast<int>(b), part.X_BG);
@@ -223,7 +223,8 @@ Result<> Engine::build(const WorldState& state) {
     sweeps_ = kSweeps;
     world_->getSolverInfo().m_leastSquaresResidualThreshold = kSettled;
   }
-  for (std::size_t j = 0; j < model_->joints.size(); ++j) make_joint(static_cast<int>(j));
+  const auto cfm = value_of<double>(options, "cfm");
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) make_joint(static_cast<int>(j), cfm);
   for (const auto& joint : joints_) joint->make_constraint();
   for (const auto& joint : joints_) {
     joint->make_laws(*model_);
@@ -288,7 +289,7 @@ void Engine::set_motion(btRigidBody& body, const Motion& motion) {
   body.setInterpolationWorldTransform(motion.X);
 }
 
-void Engine::make_joint(int joint) {
+void Engine::make_joint(int joint, double cfm) {
   const Joint& made = model_->joints[joint];
   if (made.removed || made.type == JointType::free) return;
   const auto is_free = [&](int body) { return body != kWorld && moves(model_->bodies[body]); };
@@ -300,7 +301,7 @@ void Engine::make_joint(int joint) {
   };
   joints_.push_back(std::make_unique<ConstraintJoint>(
       *model_, joint, rigid(made.parent), rigid(made.child), frame_of(made.parent, made.X_PF),
-      frame_of(made.child, made.X_CM), value_of<double>(options_, "cfm")));
+      frame_of(made.child, made.X_CM), cfm));
 }
 
 Motion Engine::motion(const btRigidBody& body) {

@@ -79,13 +79,13 @@ class Engine final : public SceneEngine {
     btVector3 inertia{0, 0, 0};
   };
 
-  Engine(const SceneModelPtr& model, Parameters options)
-      : options_(std::move(options)), model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
-  Result<> build(const WorldState& state);
-  void make_world();
+  explicit Engine(const SceneModelPtr& model)
+      : model_(model), surfaces_(std::make_unique<Surfaces>(model)) {}
+  Result<> build(const Parameters& options, const WorldState& state);
+  void make_world(const Parameters& options);
   void make_body(int body, const WorldState& state);
   void add_body(int body);
-  void make_joint(int joint);
+  void make_joint(int joint, double cfm);
   struct Memory;
   void restore_broadphase(const Memory& memory);
   void restore_contacts(const Memory& memory, const std::vector<char>& stays);
@@ -98,7 +98,6 @@ class Engine final : public SceneEngine {
   Motion motion_of(const Part& part, const Pose& X, const Twist& V) const;
   void sum_rows() const;
 
-  const Parameters options_;
   SceneModelPtr model_;
   std::unique_ptr<Surfaces> surfaces_;
   std::unique_ptr<btDefaultCollisionConfiguration> configuration_;
