@@ -74,7 +74,7 @@ class Stepper {
   // Takes the components marked in `doubtful_` by the midpoint scheme instead, from q0_, u0_,
   // qk_[0]; the state is undefined afterwards. `efforts`: sums without those of the step.
   void pass_singular(double h, const EffortSums& efforts);
-  // The motion with all rows, to displaced_ and stage_; the state is at the middle.
+  // The motion with all rows, to displaced_ and end_u_; the state is at the middle.
   void solve_rows(double h);
   // Links that joints hold inside each other would have to move far for a small gap, and those that
   // joints keep from separating would get large displacements: each is limited to that of a free body.

@@ -174,7 +174,7 @@ void convex_contacts(const Collider& a, const Collider& b, double margin, Apart&
     const double distance = d.norm();
     ContactPoint c;
     c.gap = distance - a.core.margin - b.core.margin;
-    if (c.gap > margin) return;
+    if (!(c.gap <= margin)) return;  // nor where it is no number
     c.normal = distance > 1e-12 ? Vec3(d / distance) : Vec3::UnitZ();
     c.point = a.X_WS.p + (a.core.margin + 0.5 * c.gap) * c.normal;
     out.push_back(c);

@@ -140,8 +140,15 @@ FreeIslandGroup& FreeBodyIsland::add_group(const std::vector<Row>& rows, FreeIsl
 void FreeBodyIsland::fill(const std::vector<Row>& rows, const std::vector<ContactRows>& contacts,
                           int bodies, double h) {
   bodies_ = bodies;
-  moves_ = std::any_of(rows.begin(), rows.end(),
-                       [h](const Row& row) { return std::abs(row.now) > kMoves * h; });
+  // Across: against the surface, which may be that of a belt.
+  const auto is_fast = [&](const ContactRows& contact) {
+    const Row* const row = &rows[std::size_t(contact.first)];
+    double speed = std::abs(row[0].now);
+    for (int i = 1; i <= contact.friction_rows(); ++i)
+      speed = std::max(speed, std::abs(row[i].now - row[i].target));
+    return speed > kMoves * h;
+  };
+  moves_ = std::any_of(contacts.begin(), contacts.end(), is_fast);
   groups_.clear();
   impulses_.clear();
   normal_blocks_.clear();
@@ -384,7 +391,7 @@ void FreeBodyIsland::solve_positions(const SolverOptions& options, double h, std
   for (std::size_t i = 0; i < groups_.size(); ++i) found_[i] = gaps_[i].position_impulse;
   // What the sweeps left of gaps is found again by the next step; of sliding it is not.
   for (int count = 1; count <= kHoldSweeps; ++count)
-    if (position_sweep_of(count % 2 == 1, true) < (moves_ ? idle : tolerance)) break;
+    if (position_sweep_of(count % 2 == 1, true) < (moves_ ? kIdle * tolerance : tolerance)) break;
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     if (row_of_[i] < 0) continue;
     const FreeIslandGaps& gaps = gaps_[i / 4];

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "mechanism/components.h"
 #include "solver/conjugate_steps.h"
 #include "solver/rows.h"
 

@@ -602,7 +602,7 @@ int Island::solve_together(const SolverOptions& options) {
     }
     if (accelerate && backwards && count < options.iterations) steps_.step(impulse, diagonal, v);
   }
-  const bool solved = m <= kDirect && solve_directly(small * options.tolerance);
+  const bool solved = m <= kDirect && solve_directly(kIdle * options.tolerance);
   return options.iterations + (solved ? 0 : 1);
 }
 
