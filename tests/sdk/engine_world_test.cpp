@@ -1,5 +1,5 @@
 // What EngineWorld does for an engine that is one object per scene, on one that moves bodies along their twists
-// and fails as it is told.
+// and fails where a test wants it to.
 #include "cogrsim/physics/engine_world.h"
 
 #include <catch2/catch.hpp>
