@@ -429,14 +429,9 @@ void Stepper::solve_island(double h, std::size_t number, Island& island) {
     contacts_.add_rows(context_, std::size_t(i), memory.contacts, island);
   island.place_rows(mechanism_.components(), start_);
 
-  // In end_u_ first the change of the speeds.
-  for (const Component* c : island.components)
-    for (const int u : c->speeds) end_u_[u] = smooth_change(h, u);
   island.scale(end_u_.data(), island.v);
   island.solve_velocities(options_.solver, h);
   island.unscale(island.v, end_u_.data());
-  for (const Component* c : island.components)
-    for (const int u : c->speeds) end_u_[u] += mechanism_.state.u()[u];
   island.solve_positions(options_.solver, h);
   if (!island.p.empty()) island.unscale(island.p, displacement_.data());
   limit_displacements(h, island);
@@ -477,10 +472,12 @@ void Stepper::solve_rows(double h) {
   Mechanism& m = mechanism_;
   end_u_ = u0_;
   for (const Component& c : m.components())
-    for (const int u : c.speeds) end_u_[u] = m.state.u()[u] + smooth_change(h, u);
+    for (const int u : c.speeds) end_u_[u] = h * (udot_[u] - 0.5 * (*start_udot_)[u]);
   displacement_.setZero(m.state.nu());
   warm_start_joints(h);
   solve_islands(h);
+  for (const Component& c : m.components())
+    for (const int u : c.speeds) end_u_[u] += m.state.u()[u];
   sum_efforts(m.state.q(), m.state.u(), h, false);
 
   // q over the second half with u at the end, and the displacement of the position stage.

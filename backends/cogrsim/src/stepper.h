@@ -82,11 +82,8 @@ class Stepper {
   double allowed_share(const Component& component, double h, double gained) const;
   // Those of joints, and which components anything concerns; false: none. At the middle of the step.
   bool build_rows(double h);
-  // What the smooth motion adds to a speed over the second half of the step.
-  double smooth_change(double h, int speed) const {
-    return h * (udot_[speed] - 0.5 * (*start_udot_)[speed]);
-  }
-  // Impulses and displacements that make all rows hold, island by island: fills end_u_ and displacement_.
+  // Impulses and displacements that make all rows hold, island by island: end_u_, the change of
+  // the speeds until then, and displacement_.
   void solve_islands(double h);
   void solve_island(double h, std::size_t number, Island& island);
   // Conserves the momentum of free mechanisms to rounding, see README; the state is at the end.
